@@ -1,0 +1,46 @@
+# make serve    the dashboard, on this machine
+# make test     everything that CI checks
+# make bench    timings, each beside its yardstick
+#
+#   PYTHON=/path/to/python3   the interpreter for the virtual environment (default: first >= 3.11)
+#   VENV=.venv                where that environment is
+#   PORT=5006                 where the dashboard answers
+
+VENV ?= .venv
+PORT ?= 5006
+export VENV PYTHON PORT
+
+python = $(VENV)/bin/python
+
+.DEFAULT_GOAL := help
+.PHONY: help serve test bench lint clean
+
+help:
+	@sed -n 's/^# \{0,1\}//p; /^$$/q' Makefile
+
+serve:
+	@sh tools/environment.sh run
+	@sh tools/serve.sh
+
+test: lint
+	@$(python) tools/find_chromium.py
+	@echo "==> pytest"
+	@$(python) -m pytest
+
+bench:
+	@sh tools/environment.sh test
+	@$(python) tools/find_chromium.py
+	@echo "==> benchmarks"
+	@$(python) -m pytest tests/benchmarks
+
+lint:
+	@sh tools/environment.sh test
+	@echo "==> ruff check"
+	@$(python) -m ruff check
+	@echo "==> ruff format"
+	@$(python) -m ruff format --check
+	@echo "==> mypy"
+	@$(python) -m mypy
+
+clean:
+	rm -rf $(VENV) build dist .mypy_cache .pytest_cache .ruff_cache .hypothesis .benchmarks test-results
