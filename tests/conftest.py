@@ -98,8 +98,10 @@ def new_page(chromium: Browser, request: pytest.FixtureRequest) -> Iterator[NewP
     complaints: list[str] = []
 
     def on_console(message: ConsoleMessage) -> None:
-        if message.type == "error":
-            complaints.append(f"console error: {message.text}")
+        url = message.location["url"]
+        # Behind --prefix Bokeh does not find the icon of the browser's tab.
+        if message.type == "error" and not url.endswith("/favicon.ico"):
+            complaints.append(f"console error: {message.text} {url}".rstrip())
 
     def on_request(sent: Request) -> None:
         if urlsplit(sent.url).hostname not in {"127.0.0.1", "localhost", None, ""}:
