@@ -58,13 +58,16 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 def pytest_runtest_makereport(
     item: pytest.Item, call: pytest.CallInfo[None]
 ) -> Generator[None, pytest.TestReport, pytest.TestReport]:
-    """Under CI a browser test may not be skipped: nothing would have looked at the page."""
+    """Make skipped browser tests failures under CI, and one line of the summary elsewhere."""
     report = yield
     is_skip = report.skipped and not hasattr(report, "wasxfail")
-    if IN_CI and is_skip and item.get_closest_marker("browser"):
-        reason = report.longrepr[2] if isinstance(report.longrepr, tuple) else report.longrepr
-        report.outcome = "failed"
-        report.longrepr = f"CI=true, and a browser test was skipped. {reason}"
+    if is_skip and item.get_closest_marker("browser") and isinstance(report.longrepr, tuple):
+        *_, reason = report.longrepr
+        if IN_CI:
+            report.outcome = "failed"
+            report.longrepr = f"CI=true, and a browser test was skipped. {reason}"
+        else:
+            report.longrepr = (__file__, 1, reason)
     item.stash[FAILED] = report.failed or item.stash.get(FAILED, False)
     return report
 
