@@ -1,0 +1,42 @@
+"""Nonlinear hunting of a railway wheelset and its bogie frame.
+
+From parameters to critical speeds and limit cycles in milliseconds: eigenvalues and Hopf points,
+Bogoliubov's averaged amplitude, linear and nonlinear critical speeds. SI units throughout.
+"""
+
+from __future__ import annotations
+
+from hunting.bogoliubov import Averaging, averaged_branch, averaging
+from hunting.branch import Branch, LimitCycle, Motion
+from hunting.critical_speeds import CriticalSpeeds, critical_speeds
+from hunting.elements import DeadbandSpring, PolynomialDamper
+from hunting.lure import Connection, LureSystem, State
+from hunting.parameters import RECONSTRUCTED, TABLE_1, Field, Parameters
+from hunting.stability import HopfPoints, damping_ratios, eigenvalues, hopf_points
+from hunting.vehicles import bogie, wheelset
+
+__all__ = [
+    "RECONSTRUCTED",
+    "TABLE_1",
+    "Averaging",
+    "Branch",
+    "Connection",
+    "CriticalSpeeds",
+    "DeadbandSpring",
+    "Field",
+    "HopfPoints",
+    "LimitCycle",
+    "LureSystem",
+    "Motion",
+    "Parameters",
+    "PolynomialDamper",
+    "State",
+    "averaged_branch",
+    "averaging",
+    "bogie",
+    "critical_speeds",
+    "damping_ratios",
+    "eigenvalues",
+    "hopf_points",
+    "wheelset",
+]
