@@ -18,7 +18,7 @@ from urllib.parse import urlsplit
 
 import hypothesis
 import pytest
-from find_chromium import MISSING, find_chromium
+from find_chromium import find_chromium, obstacle
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Generator, Iterator
@@ -75,12 +75,12 @@ def pytest_runtest_makereport(
 @pytest.fixture(scope="session")
 def chromium() -> Iterator[Browser]:
     """A headless Chromium; the tests that need one are skipped where there is none."""
-    path = find_chromium()
-    if path is None:
-        pytest.skip(MISSING)
-    sync_api = pytest.importorskip("playwright.sync_api")
-    with sync_api.sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=path, args=CHROMIUM_FLAGS)
+    if reason := obstacle():
+        pytest.skip(reason)
+    from playwright.sync_api import sync_playwright
+
+    with sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=find_chromium(), args=CHROMIUM_FLAGS)
         yield browser
         browser.close()
 

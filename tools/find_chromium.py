@@ -1,10 +1,11 @@
-"""Find a Chromium for the browser tests, and as a command install Debian's if there is none."""
+"""Find what the browser tests need; as a command, install what is missing where Debian has it."""
 
 from __future__ import annotations
 
 import os
 import shutil
 import subprocess
+import sys
 from pathlib import Path
 
 NAMES = (
@@ -19,9 +20,10 @@ MAC = (
     Path("/Applications/Chromium.app/Contents/MacOS/Chromium"),
     Path("/Applications/Google Chrome.app/Contents/MacOS/Google Chrome"),
 )
-MISSING = (
+NO_CHROMIUM = (
     "no Chromium found: install chromium or Google Chrome, or set CHROMIUM to the program's path"
 )
+NO_DRIVER = "Playwright's driver does not start (on Debian it needs the package libatomic1)"
 
 
 def find_chromium() -> str | None:
@@ -33,25 +35,41 @@ def find_chromium() -> str | None:
     return next((path for path in (*on_path, *in_applications) if path), None)
 
 
-def install_debian_chromium() -> bool:
-    """Install Debian's package if that is possible here; say whether it was."""
+def driver_starts() -> bool:
+    """Say whether the Node.js that Playwright brings along runs on this system."""
+    version = [sys.executable, "-m", "playwright", "--version"]
+    return subprocess.run(version, capture_output=True).returncode == 0
+
+
+def obstacle() -> str | None:
+    """Why no browser test can run here, or None."""
+    if find_chromium() is None:
+        return NO_CHROMIUM
+    return None if driver_starts() else NO_DRIVER
+
+
+def install_from_debian(packages: list[str]) -> None:
+    """Install Debian's packages where that is possible."""
     if os.name != "posix" or os.geteuid() != 0 or not shutil.which("apt-get"):
-        return False
-    print("==> installing Debian's chromium package for the browser tests", flush=True)
+        return
+    print(f"==> installing Debian's {' and '.join(packages)} for the browser tests", flush=True)
     apt = ["apt-get", "-qq", "-o", "DPkg::Lock::Timeout=300"]
     env = os.environ | {"DEBIAN_FRONTEND": "noninteractive"}
-    for command in (["update"], ["install", "-y", "--no-install-recommends", "chromium"]):
-        if subprocess.run([*apt, *command], env=env, stdout=subprocess.DEVNULL).returncode:
-            return False
-    return True
+    for command in (["update"], ["install", "-y", "--no-install-recommends", *packages]):
+        subprocess.run([*apt, *command], env=env, stdout=subprocess.DEVNULL, check=False)
 
 
 def main() -> None:
     """Say in one line which Chromium the browser tests will use, or why they will be skipped."""
-    path = find_chromium()
-    if path is None and "CHROMIUM" not in os.environ and install_debian_chromium():
-        path = find_chromium()
-    print(f"==> browser tests: {path}" if path else f"==> browser tests will be skipped: {MISSING}")
+    missing = []
+    if find_chromium() is None and "CHROMIUM" not in os.environ:
+        missing.append("chromium")
+    if not driver_starts():
+        missing.append("libatomic1")
+    if missing:
+        install_from_debian(missing)
+    reason = obstacle()
+    print(f"==> browser tests: {reason or find_chromium()}{', so skipped' if reason else ''}")
 
 
 if __name__ == "__main__":
