@@ -171,7 +171,7 @@ class Parameters:
         "wheelset mass",
         "Mass of the wheelset; a heavier one hunts earlier.",
         _WHEELSET,
-        (500.0, 3000.0),
+        (200.0, 3000.0),
         figure=4,
     )
     I_wx: Coefficient = _of(
