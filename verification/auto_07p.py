@@ -38,7 +38,7 @@ _VEHICLE = (
 # there.
 WEIGHTS = {"THU": {1: 1e6}, "THL": {SPEED: 0.0, PERIOD: 0.0}}
 CONSTANTS: dict[str, Any] = {
-    **{"NPAR": EPS, "JAC": 1, "NTST": 200, "NCOL": 4, "IAD": 3, "ISP": 2, "IID": 2, "NPR": 0},
+    **{"NPAR": EPS, "JAC": 1, "NTST": 800, "NCOL": 4, "IAD": 3, "ISP": 2, "IID": 2, "NPR": 0},
     **{"EPSL": 1e-9, "EPSU": 1e-9, "EPSS": 1e-8, "ITMX": 20, "ITNW": 9, "NWTN": 3},
     **WEIGHTS,
 }
