@@ -31,7 +31,7 @@ from hunting import (
 
 HARDENING = RECONSTRUCTED.replace(C2=5.14e5)  # as Table 1 prints it: supercritical
 HARDENING_LATE = RECONSTRUCTED.replace(C4=5e8)  # smooth fold below the clearance
-ON_SOFT_SPRINGS = RECONSTRUCTED.replace(Ky=2e5)  # its bogie has a low-speed window
+WITH_WINDOW = RECONSTRUCTED.replace(Ky=2e5)  # the bogie is also unstable in a low-speed window
 
 
 # ---------------------------------------------------------------- the integrals of Eq. 13
@@ -259,8 +259,9 @@ def test_the_fold_is_the_slowest_point_of_the_branch(vehicle, p):
         assert slowest in (0, len(dense) - 1) or dense[slowest] >= branch.speed[0]
     else:
         speed, amplitude = branch.fold
-        assert speed <= dense.min()
-        assert speed == pytest.approx(dense.min(), rel=1e-4)
+        V_lin = branch.speed[0]
+        assert speed <= dense.min() + 1e-11 * V_lin
+        assert speed == pytest.approx(dense.min(), abs=1e-4 * V_lin)
         assert speed == averaged.branch_speed(amplitude)
 
 
@@ -292,7 +293,7 @@ def test_a_larger_clearance_lowers_the_fold():
 
 
 def test_a_branch_may_start_at_any_hopf_point():
-    system = bogie(ON_SOFT_SPRINGS)
+    system = bogie(WITH_WINDOW)
     points = hopf_points(system)
     starts = [averaged_branch(system, hopf=k).speed[0] for k in range(3)]
     assert starts == points.speed.tolist()

@@ -10,7 +10,7 @@ from scipy.integrate import quad
 
 from hunting import RECONSTRUCTED, DeadbandSpring, PolynomialDamper
 
-coefficients = st.floats(-1e6, 1e6)
+coefficients = st.integers(-(10**6), 10**6).map(float)
 springs = st.builds(DeadbandSpring, stiffness=st.floats(1e5, 1e9), gap=st.floats(1e-4, 1e-1))
 dampers = st.builds(
     PolynomialDamper, C1=coefficients, C2=coefficients, C3=coefficients, C4=coefficients

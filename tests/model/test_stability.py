@@ -29,7 +29,7 @@ from hunting import (
 )
 
 LOW, HIGH = 1.0, 400.0
-ON_SOFT_SPRINGS = RECONSTRUCTED.replace(Ky=2e5)  # its bogie has a low-speed window
+WITH_WINDOW = RECONSTRUCTED.replace(Ky=2e5)  # the bogie is also unstable in a low-speed window
 
 # ---------------------------------------------------------------- against the reference solutions
 
@@ -148,7 +148,7 @@ def test_a_point_is_found_where_fast_creep_modes_hide_the_slow_pair_by_their_rou
 
 
 @both_vehicles
-@pytest.mark.parametrize("p", [RECONSTRUCTED, ON_SOFT_SPRINGS], ids=["default", "soft springs"])
+@pytest.mark.parametrize("p", [RECONSTRUCTED, WITH_WINDOW], ids=["default", "stiffer springs"])
 def test_growth_is_the_derivative_of_the_eigenvalue_with_speed(vehicle, p):
     system = vehicle(p)
     points = hopf_points(system)
@@ -185,12 +185,12 @@ def test_the_damping_ratio_of_an_oscillator_is_its_textbook_value():
 # ---------------------------------------------------------------- low-speed windows
 
 
-def test_a_frame_on_soft_springs_opens_a_low_speed_window():
-    points = hopf_points(bogie(ON_SOFT_SPRINGS))
+def test_a_frame_on_stiffer_springs_has_a_low_speed_window():
+    points = hopf_points(bogie(WITH_WINDOW))
     assert points.direction.tolist() == [1, -1, 1]
     assert points.unstable_pairs().tolist() == [0, 1, 0, 1]
     assert points.hunting_index() == 2
-    assert len(hopf_points(wheelset(ON_SOFT_SPRINGS)).speed) == 1
+    assert len(hopf_points(wheelset(WITH_WINDOW)).speed) == 1
 
 
 def test_the_hunting_point_is_where_the_last_unstable_range_begins():
@@ -244,7 +244,7 @@ def test_a_stack_may_have_any_number_of_axes():
 
 
 def test_the_range_keeps_what_lies_in_it():
-    system = bogie(ON_SOFT_SPRINGS)
+    system = bogie(WITH_WINDOW)
     opens, closes, hunting = hopf_points(system).speed
     middle = 0.5 * (closes + hunting)
     assert hopf_points(system, (LOW, middle)).speed.tolist() == [opens, closes]
