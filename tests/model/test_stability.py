@@ -193,6 +193,20 @@ def test_a_frame_on_stiffer_springs_has_a_low_speed_window():
     assert len(hopf_points(wheelset(WITH_WINDOW)).speed) == 1
 
 
+def test_a_window_that_has_just_opened_is_found():
+    """Its width grows with the square root of the distance from where it opens."""
+
+    def points(Ky):
+        return hopf_points(bogie(RECONSTRUCTED.replace(Ky=Ky))).speed
+
+    closed, opened = RECONSTRUCTED.Ky, WITH_WINDOW.Ky
+    while (middle := 0.5 * (closed + opened)) not in (closed, opened):
+        closed, opened = (middle, opened) if len(points(middle)) == 1 else (closed, middle)
+    distance = np.array([1e-4, 1e-6, 1e-8, 1e-10])
+    width = [np.diff(points(opened * (1 + share)))[0] for share in distance]
+    np.testing.assert_allclose(width / np.sqrt(distance), width[0] / 1e-2, rtol=0.02)
+
+
 def test_the_hunting_point_is_where_the_last_unstable_range_begins():
     """A second pair that crosses within an unstable range does not begin one."""
     p = stack_near_reconstructed(10, 3000, seed=4)
@@ -256,6 +270,16 @@ def test_the_range_keeps_what_lies_in_it():
     assert within.speed.tolist() == [closes]
     assert within.unstable_pairs().tolist() == [1, 0]
     assert within.hunting_index() == -1
+
+
+@both_vehicles
+def test_the_range_ends_where_it_says(vehicle):
+    system = vehicle(RECONSTRUCTED)
+    (V,) = hopf_points(system).speed
+    for just_outside in ((LOW, V * (1 - 1e-9)), (V * (1 + 1e-9), HIGH)):
+        assert hopf_points(system, just_outside).speed.size == 0
+    for just_inside in ((LOW, V * (1 + 1e-9)), (V * (1 - 1e-9), HIGH)):
+        assert hopf_points(system, just_inside).speed == pytest.approx([V], rel=1e-13)
 
 
 @pytest.mark.parametrize(
