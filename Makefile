@@ -1,6 +1,7 @@
 # make serve    the dashboard, on this machine
 # make test     everything that CI checks
 # make bench    timings, each beside its yardstick
+# make verify   the program against independent programs: writes docs/verification.md
 #
 #   PYTHON=/path/to/python3   the interpreter for the virtual environment (default: first >= 3.11)
 #   VENV=.venv                where that environment is
@@ -13,7 +14,7 @@ export VENV PYTHON PORT
 python = $(VENV)/bin/python
 
 .DEFAULT_GOAL := help
-.PHONY: help serve test bench lint clean
+.PHONY: help serve test bench verify lint clean
 
 help:
 	@sed -n 's/^# \{0,1\}//p; /^$$/q' Makefile
@@ -32,6 +33,11 @@ bench:
 	@$(python) tools/find_chromium.py
 	@echo "==> benchmarks"
 	@$(python) -m pytest tests/benchmarks
+
+verify:
+	@sh tools/environment.sh test
+	@echo "==> verification"
+	@$(python) -m verification
 
 lint:
 	@sh tools/environment.sh test

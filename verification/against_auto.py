@@ -50,6 +50,11 @@ class Subject:
         """The program's own equations."""
         return self.vehicle(self.p)
 
+    @property
+    def delta(self) -> float:
+        """Clearance [m]."""
+        return float(self.p.delta)
+
 
 _EARLY = RECONSTRUCTED.replace(C4=5e8, Kpsi=1.0404e5, Cy=1.89e4)
 _SOFT = RECONSTRUCTED.replace(r0=0.7462, lam=0.04, b=0.65, Ky=1.3872e5, Kpsi=1.3872e5, Cy=1.47e4)
@@ -85,18 +90,15 @@ def _hopf_rows(auto: Auto, subject: Subject) -> Iterator[Row]:
         (" with the rounding's stiffness added", _with_rounding(subject), 1e-8),
     ):
         ours = hopf_points(system, subject.speeds)
-        for i, point in enumerate(theirs):
-            where = f"{subject.name}: Hopf point {i + 1} of {len(theirs)}{note}"
-            yield worst(
-                [
-                    Row(f"{where}, speed [km/h]", 3.6 * ours.speed[i], 3.6 * point.speed, allowed),
-                    Row(f"{where}, frequency [Hz]", _hertz(ours.frequency[i]), 1 / point.period, allowed),
-                ]
-            )
+        found = zip(ours.speed, ours.frequency, theirs, strict=True)
+        for i, (V, omega, point) in enumerate(found, 1):
+            where = f"{subject.name}: Hopf point {i} of {len(theirs)}{note}"
+            yield Row(f"{where}, speed [km/h]", 3.6 * V, 3.6 * point.speed, allowed)
+            yield Row(f"{where}, frequency [Hz]", omega / (2 * np.pi), 1 / point.period, allowed)
 
 
 def _branch_rows(auto: Auto, subject: Subject) -> Iterator[Row]:
-    delta = subject.p.delta
+    delta = subject.delta
     asked = [delta * share for share in (*FREE, *TOUCHING)]
     for eps, allowed in ((ROUNDING, 3e-5), (ROUNDING / 10, 3e-6)):
         (start,) = auto.centred(subject.p, subject.states, subject.speeds, eps).of_kind("HB")
@@ -104,18 +106,17 @@ def _branch_rows(auto: Auto, subject: Subject) -> Iterator[Row]:
         if eps == ROUNDING:
             yield from _cycle_rows(subject, run.of_kind("UZ"))
         ours = limit_cycles(subject.system, harmonics=HARMONICS).fold
-        theirs = run.of_kind("LP")[0]
         yield Row(
             f"{subject.name}: fold, dead band rounded by {eps:g} m, speed [km/h]",
-            3.6 * ours[0] if ours else np.nan,
-            3.6 * theirs.speed,
+            3.6 * float(ours[0]) if ours else np.nan,
+            3.6 * run.fold(0),
             allowed,
         )
 
 
 def _cycle_rows(subject: Subject, theirs: list[Point]) -> Iterator[Row]:
     """Compare our cycles of exactly the amplitudes that AUTO's turned out to have."""
-    delta = subject.p.delta
+    delta = subject.delta
     for where, low, high, allowed, multiplier in (
         ("below contact", 0.0, 1.0, 1e-6, 1e-4),
         ("in contact", 1.0, 1.11, 1e-5, 2e-3),
@@ -147,11 +148,11 @@ def _cycle_rows(subject: Subject, theirs: list[Point]) -> Iterator[Row]:
 
 def _second_fold_rows(auto: Auto, subject: Subject) -> Iterator[Row]:
     (start,) = auto.centred(subject.p, subject.states, subject.speeds).of_kind("HB")
-    run = auto.branch(subject.states, start, [], END * subject.p.delta)
+    run = auto.branch(subject.states, start, [], END * subject.delta)
     yield Row(
         f"{subject.name}: second fold, hard against the flange, speed [km/h]",
         3.6 * limit_cycles(subject.system, harmonics=HARMONICS).speed.max(),
-        3.6 * run.of_kind("LP")[1].speed,
+        3.6 * run.fold(1),
         1e-5,
     )
 
@@ -163,7 +164,3 @@ def _with_rounding(subject: Subject) -> LureSystem:
     A0 = subject.system.A0.copy()
     A0[1, 0] -= stiffness / p.m_w
     return dataclasses.replace(subject.system, A0=A0)
-
-
-def _hertz(omega: float) -> float:
-    return omega / (2 * np.pi)

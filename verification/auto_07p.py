@@ -38,8 +38,20 @@ _VEHICLE = (
 # there.
 WEIGHTS = {"THU": {1: 1e6}, "THL": {SPEED: 0.0, PERIOD: 0.0}}
 CONSTANTS: dict[str, Any] = {
-    **{"NPAR": EPS, "JAC": 1, "NTST": 800, "NCOL": 4, "IAD": 3, "ISP": 2, "IID": 2, "NPR": 0},
-    **{"EPSL": 1e-9, "EPSU": 1e-9, "EPSS": 1e-8, "ITMX": 20, "ITNW": 9, "NWTN": 3},
+    "NPAR": EPS,
+    "JAC": 1,
+    "NTST": 800,
+    "NCOL": 4,
+    "IAD": 3,
+    "ISP": 2,
+    "IID": 2,
+    "NPR": 0,
+    "EPSL": 1e-9,
+    "EPSU": 1e-9,
+    "EPSS": 1e-8,
+    "ITMX": 20,
+    "ITNW": 9,
+    "NWTN": 3,
     **WEIGHTS,
 }
 _KINDS = {1: "BP", 2: "LP", 3: "HB", 5: "LP", 6: "BP", -4: "UZ", 9: "EP", -9: "MX"}
@@ -80,6 +92,11 @@ class Run:
         """Return the labelled points of one kind."""
         return [point for point in self.points if point.kind == kind]
 
+    def fold(self, index: int) -> float:
+        """Return the speed of a fold [m/s]; NaN if it was missed."""
+        folds = self.of_kind("LP")
+        return folds[index].speed if index < len(folds) else np.nan
+
 
 def missing() -> str:
     """Return what AUTO-07p lacks on this machine, in words; empty if nothing."""
@@ -114,10 +131,17 @@ class Auto:
         step = (speeds[1] - speeds[0]) / 200
         return self.run(
             "centred",
-            **{"NDIM": states, "IPS": 1, "ILP": 0, "NMX": 10_000, "PAR": par},
-            **{"ICP": [SPEED, PERIOD, AMPLITUDE]},
-            **{"DS": step, "DSMIN": step / 1e6, "DSMAX": step},
-            **{"UZSTOP": {SPEED: speeds[1]}, "THL": {}},
+            NDIM=states,
+            IPS=1,
+            ILP=0,
+            PAR=par,
+            ICP=[SPEED, PERIOD, AMPLITUDE],
+            THL={},
+            DS=step,
+            DSMIN=step / 1e6,
+            DSMAX=step,
+            NMX=10_000,
+            UZSTOP={SPEED: speeds[1]},
         )
 
     def branch(
@@ -129,10 +153,21 @@ class Auto:
         """
         return self.run(
             "branch",
-            **{"s": "'centred'", "IRS": start.label, "NDIM": states, "IPS": 2, "ILP": 1},
-            **{"ICP": [SPEED, PERIOD, AMPLITUDE], "NMX": 20_000},
-            **{"UZR": {AMPLITUDE: amplitudes}, "UZSTOP": {AMPLITUDE: end}},
-            **{"DS": -0.01, "DSMIN": 1e-9, "DSMAX": 0.1, **constants},
+            **{
+                "s": "'centred'",
+                "IRS": start.label,
+                "NDIM": states,
+                "IPS": 2,
+                "ILP": 1,
+                "ICP": [SPEED, PERIOD, AMPLITUDE],
+                "UZR": {AMPLITUDE: amplitudes},
+                "UZSTOP": {AMPLITUDE: end},
+                "DS": -0.01,
+                "DSMIN": 1e-9,
+                "DSMAX": 0.1,
+                "NMX": 20_000,
+                **constants,
+            },
         )
 
     def run(self, name: str, **constants: Any) -> Run:
@@ -204,7 +239,7 @@ def _peaks(path: Path) -> Mapping[int, float]:
 
 
 def _peak(t: Array, y: Array, degree: int) -> float:
-    """Return the largest |y| of piecewise polynomials given by `degree` + 1 values on each piece."""
+    """Return the largest |y| of polynomials with `degree` + 1 values on each piece."""
     pieces = (len(t) - 1) // degree
     piece = min(int(np.argmax(np.abs(y))) // degree, pieces - 1)
     largest = 0.0

@@ -38,14 +38,14 @@ def rows() -> Iterator[Row]:
         yield Row(
             f"Klingel's wavelength 2π√(r0 d/λ) at 36 km/h, creep × {creep} [m]",
             _wavelength(p, 10.0),
-            2 * np.pi * np.sqrt(p.r0 * p.d / p.lam),
+            _klingel(p),
             1e-5 / creep**2,
         )
     p = _scaled(LOOSE, 100, 1)
     yield Row(
         "the same with Table 1's conicity: 2π√(s r0 d/λ), creep × 100 [m]",
         _wavelength(p, 10.0),
-        2 * np.pi * np.sqrt(_s(p) * p.r0 * p.d / p.lam),
+        np.sqrt(_s(p)) * _klingel(p),
         1e-7,
     )
     for creep in (0.1, 1, 10, 100):
@@ -54,7 +54,7 @@ def rows() -> Iterator[Row]:
             f"V_c at stiff creep, (r0 d/λ)(K f11 + K_y' d² f33)/(I f11 + m d² f33), "
             f"creep × {creep} [km/h]",
             3.6 * _critical_speed(p),
-            3.6 * np.sqrt(p.r0 * p.d / p.lam * _frequency_squared(p, 1.0)),
+            3.6 * _stiff_creep(p),
             5e-5 / creep**2,
         )
     for creep in (1, 0.1):
@@ -82,6 +82,10 @@ def _wavelength(p: Parameters, V: float) -> float:
     return float(2 * np.pi * V / hunting[np.argmax(hunting.real)].imag)
 
 
+def _klingel(p: Parameters) -> float:
+    return float(2 * np.pi * np.sqrt(p.r0 * p.d / p.lam))
+
+
 def _critical_speed(p: Parameters) -> float:
     (speed,) = hopf_points(wheelset(p)).speed
     return float(speed)
@@ -91,6 +95,10 @@ def _frequency_squared(p: Parameters, s: float) -> float:
     lateral, yaw = 2 * p.Ky, 2 * p.Kpsi * p.b**2
     sideways, forwards = s * p.f11, p.d**2 * p.f33
     return float((sideways * yaw + forwards * lateral) / (sideways * p.I_wx + forwards * p.m_w))
+
+
+def _stiff_creep(p: Parameters) -> float:
+    return float(np.sqrt(p.r0 * p.d / p.lam * _frequency_squared(p, 1.0)))
 
 
 def _finite_creep(p: Parameters) -> float:

@@ -61,6 +61,6 @@ def cycles_at(
 
 
 def dominant(multipliers: NDArray[np.complex128]) -> float:
-    """Return the largest modulus among Floquet multipliers, the trivial one (nearest 1) left out."""
+    """Return the largest modulus of Floquet multipliers but the trivial one, nearest 1."""
     rest = np.delete(multipliers, np.argmin(np.abs(multipliers - 1)))
     return float(np.abs(rest).max())
