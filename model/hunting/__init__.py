@@ -10,8 +10,10 @@ from hunting.bogoliubov import Averaging, averaged_branch, averaging
 from hunting.branch import Branch, LimitCycle, Motion
 from hunting.critical_speeds import CriticalSpeeds, critical_speeds
 from hunting.elements import DeadbandSpring, PolynomialDamper
+from hunting.limit_cycles import limit_cycles
 from hunting.lure import Connection, LureSystem, State
 from hunting.parameters import RECONSTRUCTED, TABLE_1, Field, Parameters
+from hunting.simulation import Decay, SpeedRamp, Trajectory, decays, simulate, speed_ramp
 from hunting.stability import HopfPoints, damping_ratios, eigenvalues, hopf_points
 from hunting.vehicles import bogie, wheelset
 
@@ -23,6 +25,7 @@ __all__ = [
     "Connection",
     "CriticalSpeeds",
     "DeadbandSpring",
+    "Decay",
     "Field",
     "HopfPoints",
     "LimitCycle",
@@ -30,13 +33,19 @@ __all__ = [
     "Motion",
     "Parameters",
     "PolynomialDamper",
+    "SpeedRamp",
     "State",
+    "Trajectory",
     "averaged_branch",
     "averaging",
     "bogie",
     "critical_speeds",
     "damping_ratios",
+    "decays",
     "eigenvalues",
     "hopf_points",
+    "limit_cycles",
+    "simulate",
+    "speed_ramp",
     "wheelset",
 ]

@@ -229,7 +229,7 @@ def averaged_branch(
     if amplitudes is None:
         a = default_amplitudes(system.clearance)
     else:
-        a = _checked(amplitudes)
+        a = checked_amplitudes(amplitudes)
     none = np.isnan(averaged.speed)
     if not system.shape and none.all():
         a = a[:0]
@@ -293,7 +293,8 @@ def averaged_fold(averaged: Averaging, amplitudes: Array) -> tuple[Array, Array]
     )
 
 
-def _checked(amplitudes: ArrayLike) -> Array:
+def checked_amplitudes(amplitudes: ArrayLike) -> Array:
+    """Return amplitudes as an array; ValueError unless finite, not negative and rising."""
     a = np.atleast_1d(np.asarray(amplitudes, dtype=float))
     if not (np.isfinite(a).all() and (a >= 0).all() and (np.diff(a, axis=-1) > 0).all()):
         raise ValueError(f"amplitudes must be finite, >= 0 m and rising, got {amplitudes!r}")

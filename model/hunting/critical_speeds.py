@@ -3,23 +3,27 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Any, Literal, get_args
 
 import numpy as np
 
 from hunting.bogoliubov import (
     NO_HOPF_POINT,
     REACH,
+    Averaging,
     averaged_fold,
     averaging,
     default_amplitudes,
 )
 from hunting.elements import Array
+from hunting.limit_cycles import HARMONICS
 from hunting.lure import LureSystem
+from hunting.saddle_nodes import slowest_cycles
 from hunting.stability import HopfPoints, hopf_points
 
-Method = Literal["averaging"]
+Method = Literal["harmonic_balance", "averaging"]
 _BRACKET = 64  # amplitudes that bracket a fold
+_CHUNK = 250  # systems solved for at once
 
 
 @dataclass(frozen=True)
@@ -72,7 +76,7 @@ class CriticalSpeeds:
 
 def critical_speeds(
     system: LureSystem,
-    method: Method = "averaging",
+    method: Method = "harmonic_balance",
     points: HopfPoints | None = None,
 ) -> CriticalSpeeds:
     """Return the linear and the nonlinear critical speed.
@@ -81,8 +85,8 @@ def critical_speeds(
     ----------
     system : LureSystem
         One system or a stack of them.
-    method : {"averaging"}
-        How limit cycles are found: Bogoliubov's first order.
+    method : {"harmonic_balance", "averaging"}
+        How limit cycles are found: exactly, or by Bogoliubov's first order.
     points : HopfPoints, optional
         The system's Hopf points, if they are known already.
 
@@ -99,31 +103,55 @@ def critical_speeds(
     Examples
     --------
     >>> from hunting import RECONSTRUCTED, bogie, critical_speeds
+    >>> print(critical_speeds(bogie(RECONSTRUCTED)))
+    subcritical: V_nl = 138.87 km/h, V_lin = 149.42 km/h, 2.20 Hz
     >>> print(critical_speeds(bogie(RECONSTRUCTED), method="averaging"))
     subcritical: V_nl = 140.03 km/h, V_lin = 149.42 km/h, 2.20 Hz
     """
-    if method != "averaging":
-        raise ValueError(f"method must be 'averaging', got {method!r}")
+    if method not in get_args(Method):
+        raise ValueError(f"method must be one of {get_args(Method)}, got {method!r}")
     points = hopf_points(system) if points is None else points
     averaged = averaging(system, points)
     amplitudes = default_amplitudes(system.clearance, _BRACKET)
     V_fold, a_fold = averaged_fold(averaged, amplitudes)
-
-    linear = averaged.speed[..., 0]
-    exists = np.isfinite(linear)
-    falls = _falls_to_the_end(averaged.branch_speed(amplitudes))
-    subcritical = np.isfinite(V_fold) | falls
-    nonlinear = np.where(np.isfinite(V_fold), V_fold, np.where(falls, np.nan, linear))
+    linear, missed = averaged.speed[..., 0], np.zeros(a_fold.shape, dtype=bool)
+    if method == "averaging":
+        falls = _falls_to_the_end(averaged.branch_speed(amplitudes))
+        nonlinear = np.where(np.isfinite(V_fold), V_fold, np.where(falls, np.nan, linear))
+        amplitude = np.where(np.isfinite(V_fold) | falls, a_fold, 0.0 * linear)
+    else:
+        nonlinear, amplitude, missed = _exact(system, points, averaged, a_fold)
+    message = _messages(points, nonlinear, missed)
     nonlinear = np.where(nonlinear > 0, nonlinear, np.nan)
+    amplitude = np.where(nonlinear > 0, amplitude, np.nan)
+    supercritical = np.where(nonlinear == linear, "supercritical", "subcritical")
     return _answer(
         linear=linear,
         nonlinear=nonlinear,
-        amplitude=np.where(subcritical, a_fold, np.where(exists, 0.0, np.nan)),
+        amplitude=amplitude,
         frequency=averaged.frequency[..., 0],
-        criticality=np.where(exists, np.where(subcritical, "subcritical", "supercritical"), "none"),
+        criticality=np.where(np.isfinite(linear), supercritical, "none"),
         windows=_windows(points),
-        message=_messages(points, nonlinear),
+        message=message,
     )
+
+
+def _exact(
+    system: LureSystem, points: HopfPoints, averaged: Averaging, a_fold: Array
+) -> tuple[Array, Array, Array]:
+    """Return speed and amplitude of the slowest limit cycles, and where they were not found."""
+    V, Y = np.full((2, a_fold.size), np.nan)
+    missed = np.zeros(a_fold.size, dtype=bool)
+    going = np.flatnonzero(np.isfinite(averaged.speed))
+    for harmonics in (HARMONICS, 2 * HARMONICS + 1, 4 * HARMONICS + 3):
+        for first in range(0, len(going), _CHUNK):
+            which = going[first : first + _CHUNK]
+            part, hopf = system.take(which), points.take(which)
+            slowest = slowest_cycles(part, averaging(part, hopf), a_fold.ravel()[which], harmonics)
+            V[which], Y[which], missed[which] = slowest.V, slowest.Y, slowest.missed
+        going = np.flatnonzero(missed)
+    V[missed] = Y[missed] = np.nan
+    return V.reshape(a_fold.shape), Y.reshape(a_fold.shape), missed.reshape(a_fold.shape)
 
 
 def _falls_to_the_end(V: Array) -> Array:
@@ -131,14 +159,18 @@ def _falls_to_the_end(V: Array) -> Array:
     return np.argmin(np.where(np.isnan(V), np.inf, V), axis=-1) == V.shape[-1] - 1
 
 
-def _messages(points: HopfPoints, nonlinear: Array) -> Array:
+def _messages(points: HopfPoints, nonlinear: Array, missed: Array) -> Array:
     no_point = points.hunting_index() < 0
     always = no_point & (points.unstable_pairs()[..., -1] > 0)
+    ends = no_point & (points.direction < 0).any(axis=-1)
     return np.select(
-        [always, no_point, np.isnan(nonlinear)],
+        [always, ends, no_point, missed, nonlinear <= 0, np.isnan(nonlinear)],
         [
             "unstable at every speed in range",
+            "unstable at low speed only",
             NO_HOPF_POINT,
+            "the slowest limit cycle was not found",
+            "the branch falls to speed zero, where averaging says nothing",
             f"no fold of the branch up to {REACH} times the clearance",
         ],
         default="",
@@ -150,16 +182,21 @@ def _windows(points: HopfPoints) -> Array:
     below = points.unstable_pairs()
     opens = (points.direction > 0) & (below[..., :-1] == 0)
     closes = (points.direction < 0) & (below[..., 1:] == 0)
-    position = np.arange(points.speed.shape[-1])
-    in_window = position < points.hunting_index()[..., None]
-    count = int((closes & in_window).sum(axis=-1).max(initial=0))
-    windows = np.full((*points.speed.shape[:-1], count, 2), np.nan)
-    for side, marks in enumerate((opens, closes)):
-        rank = np.cumsum(marks, axis=-1) - 1
-        for k in range(count):
-            here = marks & in_window & (rank == k)
-            speed = np.where(here, points.speed, -np.inf).max(axis=-1, initial=-np.inf)
-            windows[..., k, side] = np.where(here.any(axis=-1), speed, np.nan)
+    opens = np.concatenate([(points.unstable_below > 0)[..., None], opens], axis=-1)
+    closes = np.concatenate([np.zeros_like(opens[..., :1]), closes], axis=-1)
+    speeds = np.concatenate([points.lowest[..., None], points.speed], axis=-1)
+    hunting = points.hunting_index()[..., None] + 1
+    lower = (np.arange(speeds.shape[-1]) < hunting) | (hunting == 0)
+    closes &= lower
+    count = int(closes.sum(axis=-1).max(initial=0))
+    windows = np.full((*hunting.shape[:-1], count, 2), np.nan)
+    for k in range(count):
+        end = closes & (np.cumsum(closes, axis=-1) == k + 1)
+        begin = opens & (np.cumsum(opens, axis=-1) == k + 1)
+        exists = end.any(axis=-1)
+        for side, mark in enumerate((begin, end)):
+            speed = np.where(mark, speeds, -np.inf).max(axis=-1)
+            windows[..., k, side] = np.where(exists, speed, np.nan)
     return windows
 
 

@@ -165,6 +165,44 @@ class LureSystem:
             clearance=np.reshape(self.clearance, np.shape(self.clearance) + (1,) * count),
         )
 
+    def take(self, index: ArrayLike) -> Self:
+        """Return the systems at `index` of the flattened stack, as a stack of one axis.
+
+        Parameters
+        ----------
+        index : array_like of int, shape (m,)
+            Places in the stack in C order; they may repeat.
+        """
+
+        def flat(values: Array, core: int) -> Array:
+            matrix = values.shape[values.ndim - core :]
+            full = np.broadcast_to(values, self.shape + matrix)
+            return np.asarray(full.reshape(-1, *matrix)[np.asarray(index)])
+
+        links = [
+            Connection(
+                dataclasses.replace(
+                    link.element,  # type: ignore[type-var]
+                    **{
+                        name: flat(np.asarray(value), 0)
+                        for name, value in vars(link.element).items()
+                        if not isinstance(value, str)
+                    },
+                ),
+                C=flat(link.C, 2),
+                B=flat(link.B, 2),
+            )
+            for link in self.elements
+        ]
+        return dataclasses.replace(
+            self,
+            A0=flat(self.A0, 2),
+            A1=flat(self.A1, 2),
+            A2=flat(self.A2, 2),
+            elements=tuple(links),
+            clearance=flat(np.asarray(self.clearance), 0),
+        )
+
 
 def _with_axes(matrix: Array, count: int) -> Array:
     return matrix.reshape(matrix.shape[:-2] + (1,) * count + matrix.shape[-2:])

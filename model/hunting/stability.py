@@ -90,6 +90,8 @@ class HopfPoints:
         Eigenvectors r and l of the pair, l r = 1, the lateral displacement of r being 1.
     unstable_below : ndarray of int, shape (...)
         How many pairs are unstable at the lower end of the range.
+    lowest : ndarray, shape (...)
+        The lower end of the range [m/s].
     """
 
     speed: Array
@@ -99,6 +101,20 @@ class HopfPoints:
     right: Phasor
     left: Phasor
     unstable_below: Array
+    lowest: Array
+
+    def take(self, index: ArrayLike) -> HopfPoints:
+        """Return the points of the systems at `index` of the flattened stack.
+
+        Parameters
+        ----------
+        index : int or array_like of int
+            Places in the stack in C order.
+        """
+        axes = self.unstable_below.ndim
+        return HopfPoints(
+            *(part.reshape(-1, *part.shape[axes:])[index] for part in vars(self).values())
+        )
 
     def unstable_pairs(self) -> Array:
         """Return the number of unstable pairs below each point and above the last one.
@@ -184,6 +200,7 @@ def hopf_points(system: LureSystem, speed_range: tuple[float, float] = SPEED_RAN
         right=padded(right, np.nan),
         left=padded(left, np.nan),
         unstable_below=((at_low.real > 0) & (at_low.imag > 0)).sum(axis=-1),
+        lowest=np.full(stack, float(low)),
     )
 
 

@@ -358,7 +358,6 @@ def test_so_do_stacks_of_them(vehicle, stack):
     assert len(set(speeds.message)) >= 4
 
 
-@pytest.mark.xfail(reason="a window that is open at the lowest speed is paired with the next one")
 @both_vehicles
 @pytest.mark.parametrize(
     "stack",
@@ -372,7 +371,6 @@ def test_a_window_begins_before_it_ends(vehicle, stack):
     assert (low < high)[np.isfinite(low)].all()
 
 
-@pytest.mark.xfail(reason="the words are those of a branch that ends before it folds")
 def test_a_fold_below_speed_zero_is_not_called_missing():
     """The damper weakens so much that the averaged branch reaches V = 0 before the flange."""
     speeds = answer(wheelset(RECONSTRUCTED.replace(C2=-9e6, C4=0.0, delta=0.02)))
@@ -380,7 +378,6 @@ def test_a_fold_below_speed_zero_is_not_called_missing():
     assert "no fold" not in speeds.message
 
 
-@pytest.mark.xfail(reason="there is a Hopf point, but it only ends the hunting")
 def test_hunting_that_only_ends_is_not_called_no_hopf_point():
     stack = stack_within_spans(300, seed=10)
     points = hopf_points(bogie(stack))

@@ -1,0 +1,147 @@
+"""Half a period of a symmetric motion, cut into panels at the instants where a force law changes.
+
+Between those instants - the flange touching or leaving the rail, a damper velocity changing its
+sign - every force is smooth, so that Gauss-type quadrature and collocation on the panels converge
+as if there were no dead band: it is neither smoothed nor sampled over.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cache
+
+import numpy as np
+from scipy.special import roots_jacobi
+
+from hunting.elements import Array, Coefficient, Phasor
+
+NODES = 8  # on each panel
+_SAMPLES = 65  # at which kinks are looked for
+_INSIDE = 1e-9  # a panel's last node keeps this share of its width from the kink
+
+
+@cache
+def radau_nodes() -> tuple[Array, Array]:
+    """Return nodes and weights of the right Radau rule on [0, 1], its last node being 1."""
+    inner, _ = roots_jacobi(NODES - 1, 1, 0)
+    nodes = np.append((inner + 1) / 2, 1.0)
+    moments = 1 / np.arange(1, NODES + 1)
+    weights = np.linalg.solve(np.vander(nodes, NODES, increasing=True).T, moments)
+    return nodes, weights
+
+
+@dataclass(frozen=True)
+class HalfPeriod:
+    """Panels, nodes and weights over 0 <= theta <= pi for each of M motions.
+
+    Attributes
+    ----------
+    edges : ndarray, shape (M, panels + 1)
+        Ends of the panels [rad]; a panel may have no width.
+    theta : ndarray, shape (M, panels * NODES)
+        Radau nodes of all panels.
+    weights : ndarray, shape (M, panels * NODES)
+        Quadrature weights, adding up to pi.
+    """
+
+    edges: Array
+    theta: Array
+    weights: Array
+
+    @property
+    def panels(self) -> int:
+        """Number of panels."""
+        return self.edges.shape[-1] - 1
+
+
+def half_period(
+    U: Phasor, orders: Array, kinks: list[Coefficient | None], panels: int
+) -> HalfPeriod:
+    """Cut half a period at the kinks of the motions u(theta) = sum_k Re(U_k exp(i k theta)).
+
+    Parameters
+    ----------
+    U : ndarray, complex, shape (M, h, q)
+        Harmonics of what the q ports see.
+    orders : ndarray, shape (h,)
+        Odd orders k.
+    kinks : list of (float, ndarray of shape (M,), or None), length q
+        The size of u at which the law of each port changes; None: where u changes sign.
+    panels : int
+        Number of panels without kinks.
+
+    Returns
+    -------
+    HalfPeriod
+    """
+    base = np.linspace(0, np.pi, panels + 1)
+    cuts = [np.broadcast_to(base, (len(U), panels + 1)), _crossings(U, orders, kinks)]
+    edges = np.sort(np.concatenate(cuts, axis=-1), axis=-1)
+    nodes, weights = radau_nodes()
+    nodes = np.minimum(nodes, 1 - _INSIDE)
+    width = np.diff(edges)[..., None]
+    times = (len(U), width.shape[1] * NODES)
+    return HalfPeriod(
+        edges=edges,
+        theta=(edges[:, :-1, None] + width * nodes).reshape(times),
+        weights=(width * weights).reshape(times),
+    )
+
+
+def _crossings(U: Phasor, orders: Array, kinks: list[Coefficient | None]) -> Array:
+    """Return where the motions cross their kinks in [0, pi], padded with pi.
+
+    Returns
+    -------
+    ndarray, shape (M, most crossings)
+    """
+    port, level = [], []
+    for q, kink in enumerate(kinks):
+        for value in (0.0,) if kink is None else (kink, -np.asarray(kink)):
+            port.append(q)
+            level.append(np.broadcast_to(value, len(U)))
+    levels = np.array(level).T  # (M, levels)
+    theta, waves = _samples(tuple(orders.tolist()))
+    u = np.swapaxes(U[..., port], -1, -2) @ waves
+    u = u.real - levels[..., None]
+    motion, at, left = np.nonzero(np.signbit(u[..., :-1]) != np.signbit(u[..., 1:]))
+    u_left, u_right = u[motion, at, left], u[motion, at, left + 1]
+    low, high = theta[left], theta[left + 1]
+    root = low + (high - low) * u_left / (u_left - u_right)
+    root = _polished(
+        root,
+        low,
+        high,
+        np.signbit(u_left),
+        U[motion, :, np.take(port, at)],
+        orders,
+        levels[motion, at],
+    )
+    count = np.bincount(motion, minlength=len(u))
+    place = np.arange(len(motion)) - (np.cumsum(count) - count)[motion]
+    found = np.full((len(u), int(count.max(initial=0))), np.pi)
+    found[motion, place] = root
+    return found
+
+
+@cache
+def _samples(orders: tuple[int, ...]) -> tuple[Array, Phasor]:
+    theta = np.linspace(0, np.pi, _SAMPLES)
+    return theta, np.exp(1j * np.outer(orders, theta))
+
+
+def _polished(
+    root: Array, low: Array, high: Array, negative: Array, U: Phasor, orders: Array, level: Array
+) -> Array:
+    """Return the roots of sum Re(U_k exp(i k theta)) = level by Newton's method in its bracket."""
+    for _ in range(4):
+        wave = U * np.exp(1j * root[:, None] * orders)
+        value = wave.real.sum(axis=-1) - level
+        slope = -(wave.imag @ orders)
+        before = np.signbit(value) == negative
+        low, high = np.where(before, root, low), np.where(before, high, root)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            newton = root - value / slope
+        inside = (newton > low) & (newton < high)
+        root = np.where(inside, newton, np.where(value == 0, root, (low + high) / 2))
+    return root

@@ -1,0 +1,480 @@
+"""Harmonic balance with the exact dead band, for many limit cycles at once.
+
+A symmetric limit cycle x(t + T/2) = -x(t) has odd harmonics only: x = sum_k Re(X_k exp(i k w t)),
+k = 1, 3, ..., N. What the elements see are the harmonics U_k = C X_k, and they answer with F_k(U),
+integrated between the instants where their laws change. The equations are::
+
+    X_k = (i k w I - A(V))^-1 B F_k,   U_k = C X_k
+    y(0) = Y,  y'(0) = 0               the peak sits at t = 0
+
+The matrix of k = 1 is singular at the Hopf point. It is therefore bordered with the eigenvectors r
+and l there: (i w I - A) X_1 + r g = B F_1 and l X_1 = kappa, with kappa as an unknown and g = 0 as
+its equation. The unknowns U_k, kappa, V, w and the peak Y are tied by one more equation that says
+along which line of the (V, Y) plane the cycle is sought: at given Y, at given V, or between.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cache
+
+import numpy as np
+
+from hunting.elements import Array, Phasor
+from hunting.ports import Ports, Response, orders_up_to, response
+
+Line = tuple[Array, Array, Array]  # v V + a Y = s
+
+_TOLERANCE = 1e-6  # relative Newton step after which the error is its square
+_STEPS = 12
+_TRUST = 1e-3  # largest correction by the higher harmonics after which another one is idle
+_CORRECTIONS = 6
+
+
+@dataclass(frozen=True)
+class Cycles:
+    """M candidates for a limit cycle.
+
+    Attributes
+    ----------
+    U : ndarray, complex, shape (M, h, q)
+        Harmonics of what the ports see, over the amplitude Y.
+    kappa : ndarray, complex, shape (M,)
+        l X_1 over the amplitude Y.
+    V, omega, Y : ndarray, shape (M,)
+        Speed [m/s], angular frequency [rad/s], peak displacement [m].
+    """
+
+    U: Phasor
+    kappa: Phasor
+    V: Array
+    omega: Array
+    Y: Array
+
+    def __len__(self) -> int:
+        return len(self.V)
+
+    def __getitem__(self, index: Array | slice) -> Cycles:
+        return Cycles(*(part[index] for part in vars(self).values()))
+
+    def put(self, index: Array, other: Cycles) -> None:
+        """Write `other` over the cycles `index`, in place."""
+        for mine, theirs in zip(vars(self).values(), vars(other).values(), strict=True):
+            mine[index] = theirs
+
+    def towards(self, other: Cycles, share: Array) -> Cycles:
+        """Return the cycles at `share` of the way to `other`."""
+        return Cycles(
+            *(
+                mine + share.reshape(-1, *(1,) * (mine.ndim - 1)) * (theirs - mine)
+                for mine, theirs in zip(vars(self).values(), vars(other).values(), strict=True)
+            )
+        )
+
+    def resized(self, harmonics: int) -> Cycles:
+        """Return the cycles with `harmonics` harmonics, new ones being zero."""
+        U = np.zeros((len(self), harmonics, self.U.shape[-1]), dtype=complex)
+        kept = min(harmonics, self.U.shape[1])
+        U[:, :kept] = self.U[:, :kept]
+        return Cycles(U, *(part.copy() for part in list(vars(self).values())[1:]))
+
+
+@cache
+def _places(count: int) -> Line:
+    """Return where S_(k-j) and S_(k+j) stand among S_0, S_2, ..., and whether k < j."""
+    k = 2 * np.arange(count) + 1
+    difference = (k[:, None] - k) // 2
+    return np.abs(difference), (k[:, None] + k) // 2, difference < 0
+
+
+def _force_derivative(S: Phasor, count: int) -> Array:
+    """Return dF/dU in real form, shape (M, h, 2, h, 2, q): dF_k = S_(k-j) dU_j + S_(k+j) dU_j*."""
+    minus, plus, mirrored = _places(count)
+    lower = S[:, minus]
+    lower = np.where(mirrored[..., None], np.conj(lower), lower)
+    upper = S[:, plus]
+    D = np.empty((len(S), count, 2, count, 2, S.shape[-1]))
+    D[:, :, 0, :, 0] = lower.real + upper.real
+    D[:, :, 0, :, 1] = upper.imag - lower.imag
+    D[:, :, 1, :, 0] = lower.imag + upper.imag
+    D[:, :, 1, :, 1] = lower.real - upper.real
+    return D
+
+
+@dataclass(frozen=True)
+class Balance:
+    """The equations of harmonic balance of one system, or of each of M systems.
+
+    Attributes
+    ----------
+    ports : Ports
+        What the elements see and do.
+    right, left : ndarray, complex, shape (n,) or (M, n)
+        Eigenvectors r and l at the Hopf point, l r = 1.
+    orders : ndarray, shape (h,)
+        Odd orders.
+    """
+
+    ports: Ports
+    right: Phasor
+    left: Phasor
+    orders: Array
+
+    def take(self, index: Array) -> Balance:
+        """Return the equations of the systems `index`; those of a single system as they are."""
+        if not self.ports.system.shape:
+            return self
+        return Balance(self.ports.take(index), self.right[index], self.left[index], self.orders)
+
+    def inverses(self, V: Array, omega: Array) -> Phasor:
+        """Return (i k w I - A(V))^-1 for every k, bordered: shape (M, h, n + 1, n + 1)."""
+        A = self.ports.system.matrix(V)
+        n = A.shape[-1]
+        pencil = np.zeros((len(V), len(self.orders), n + 1, n + 1), dtype=complex)
+        pencil[..., :n, :n] = _pencils(A, omega, self.orders)
+        pencil[:, 0, :n, n] = self.right
+        pencil[:, 0, n, :n] = self.left
+        pencil[:, 1:, n, n] = 1.0
+        return np.linalg.inv(pencil)
+
+    def states(self, cycles: Cycles, F: Phasor) -> Phasor:
+        """Return the harmonics of the states that answer to the forces F, over Y.
+
+        Parameters
+        ----------
+        cycles : Cycles
+            M cycles; of their motions only kappa counts.
+        F : ndarray, complex, shape (M, H, q)
+            Harmonics of the forces over Y, h or more.
+
+        Returns
+        -------
+        ndarray, complex, shape (M, H, n)
+        """
+        h, B, n = len(self.orders), self.ports.B, self.right.shape[-1]
+        T = self.inverses(cycles.V, cycles.omega)
+        X = (T[..., :n, :n] @ (B[..., None, :, :] @ F[:, :h, :, None]))[..., 0]
+        X[:, 0] += T[:, 0, :n, n] * cycles.kappa[:, None]
+        return np.concatenate([X, self.tail(cycles, F[:, h:])], axis=1)
+
+    def tail(self, cycles: Cycles, F: Phasor) -> Phasor:
+        """Return the harmonics of the states beyond those kept that answer to F, over Y."""
+        B = self.ports.B
+        orders = self.orders[-1] + 2 * np.arange(1, F.shape[1] + 1)
+        pencils = _pencils(self.ports.system.matrix(cycles.V), cycles.omega, orders)
+        return np.linalg.solve(pencils, B[..., None, :, :] @ F[..., None])[..., 0]
+
+    def all_orders(self) -> Array:
+        """Return the orders kept and those of the tail."""
+        return orders_up_to(4 * len(self.orders) - 1)
+
+    def seen(self, X: Phasor) -> Phasor:
+        """Return what the ports see of the harmonics X of the states, shape (M, h, q)."""
+        return X @ np.swapaxes(self.ports.C[..., :-1, :], -1, -2)
+
+    def newton_system(
+        self, cycles: Cycles, line: Line, tail: Phasor | None = None
+    ) -> tuple[Array, Array, Phasor]:
+        """Return residual and Jacobian at `cycles`.
+
+        Parameters
+        ----------
+        cycles : Cycles
+            M candidates.
+        line : tuple of three ndarray, shape (M,)
+            The line ``v V + a Y = s`` on which each cycle is sought, as (v, a, s).
+        tail : ndarray, complex, shape (M, h, n), optional
+            Higher harmonics of the states over Y, which stay as they are.
+
+        Returns
+        -------
+        residual : ndarray, shape (M, N)
+        jacobian : ndarray, shape (M, N, N)
+            Unknowns in order: Re and Im of U_k for each k, Re kappa, Im kappa, V, w, Y. The last
+            equation is the line.
+        harmonics : ndarray, complex, shape (M, h, n)
+            Harmonics of the states over Y.
+        """
+        system, C, B, k = self.ports.system, self.ports.C, self.ports.B, self.orders
+        (M, h, q), n = cycles.U.shape, C.shape[-1]
+        U, k_all = cycles.U, k
+        if tail is not None:
+            U, k_all = np.concatenate([U, self.seen(tail)], axis=1), self.all_orders()
+        answer = response(self.ports, U * cycles.Y[:, None, None], k_all, 2 * h)
+        D = _force_derivative(answer.S, h)
+        F = answer.F[:, :h] / cycles.Y[:, None, None]
+        F_Y = (_times(D, cycles.U) - F) / cycles.Y[:, None, None]
+
+        # X_k and g, and what they do when F, V, w, Y and kappa change.
+        T = self.inverses(cycles.V, cycles.omega)
+        TB = T[..., :n] @ B[..., None, :, :]
+        X = (TB @ F[..., None])[..., 0]
+        X[:, 0] += T[:, 0, :, n] * cycles.kappa[:, None]
+        dA = system.matrix_slope(cycles.V)[:, None]
+        causes = np.empty((M, h, n, 2), dtype=complex)
+        causes[..., 0] = (dA @ X[..., :n, None])[..., 0]
+        causes[..., 1] = -1j * k[:, None] * X[..., :n]
+        effects = np.zeros((M, h, n + 1, 5), dtype=complex)
+        effects[:, 0, :, 0] = T[:, 0, :, n]
+        effects[:, 0, :, 1] = 1j * T[:, 0, :, n]
+        effects[..., 2:4] = T[..., :n] @ causes
+        effects[..., 4] = (TB @ F_Y[..., None])[..., 0]
+
+        seen = C[..., None, :, :] @ np.concatenate(
+            [X[..., :n, None], effects[..., :n, :], TB[..., :n, :]], axis=-1
+        )  # rows: the ports, then the output y
+        y, y_by, y_F = seen[:, :, q, 0], seen[:, :, q, 1:6], seen[:, :, q, 6:]
+        size = 2 * q * h
+        r = np.zeros((M, size + 5))
+        J = np.zeros((M, size + 5, size + 5))
+
+        # U_k = C X_k.
+        ports = r[:, :size].reshape(M, h, 2, q)
+        ports[:, :, 0] = cycles.U.real - seen[:, :, :q, 0].real
+        ports[:, :, 1] = cycles.U.imag - seen[:, :, :q, 0].imag
+        by = np.stack([seen[:, :, :q, 1:6].real, seen[:, :, :q, 1:6].imag], axis=2)
+        J[:, :size, size:] = -by.reshape(M, size, 5)
+        into = J[:, :size, :size].reshape(M, h, 2, q, h, 2, q)
+        _chain(-seen[:, :, :q, 6:], D, into)
+        on_diagonal = np.arange(size)
+        J[:, on_diagonal, on_diagonal] += 1.0
+
+        # g = 0; the peak y(0) = Y, y'(0) = 0.
+        r[:, size], r[:, size + 1] = X[:, 0, n].real, X[:, 0, n].imag
+        J[:, size, size:], J[:, size + 1, size:] = effects[:, 0, n].real, effects[:, 0, n].imag
+        _chain(TB[:, :1, n:], D[:, :1], J[:, size : size + 2, :size].reshape(M, 1, 2, 1, h, 2, q))
+        y_U = np.empty((M, h, 2, size))
+        _chain(y_F[:, :, None], D, y_U.reshape(M, h, 2, 1, h, 2, q))
+        r[:, size + 2] = y.real.sum(axis=1) - 1
+        r[:, size + 3] = y.imag @ k
+        if tail is not None:
+            r[:, size + 2] += (tail @ system.output).real.sum(axis=1)
+            r[:, size + 3] += (tail @ system.output).imag @ k_all[h:]
+        J[:, size + 2, :size] = y_U[:, :, 0].sum(axis=1)
+        J[:, size + 3, :size] = (y_U[:, :, 1] * k[:, None]).sum(axis=1)
+        J[:, size + 2, size:] = y_by.real.sum(axis=1)
+        J[:, size + 3, size:] = (y_by.imag * k[:, None]).sum(axis=1)
+
+        v, a, s = line
+        r[:, size + 4] = v * cycles.V + a * cycles.Y - s
+        J[:, size + 4, size + 2], J[:, size + 4, size + 4] = v, a
+        return r, J, X[..., :n]
+
+
+def _pencils(A: Array, omega: Array, orders: Array) -> Phasor:
+    """Return i k w I - A for every k, shape (M, h, n, n)."""
+    pencils = np.repeat(-A[:, None].astype(complex), len(orders), axis=1)
+    diagonal = np.arange(A.shape[-1])
+    pencils[..., diagonal, diagonal] += 1j * (omega[:, None] * orders)[..., None]
+    return pencils
+
+
+def _times(D: Array, U: Phasor) -> Phasor:
+    """Return the derivative of F along U."""
+    (M, h, q) = U.shape
+    parts = np.stack([U.real, U.imag], axis=2).reshape(M, 2 * h, q)
+    along = np.einsum("mijq,mjq->miq", D.reshape(M, 2 * h, 2 * h, q), parts)
+    along = along.reshape(M, h, 2, q)
+    return along[:, :, 0] + 1j * along[:, :, 1]
+
+
+def _chain(G: Phasor, D: Array, out: Array) -> None:
+    """Write d(G_k F_k)/dU in real form to `out`, (M, h, 2, rows, h, 2, q), G of (M, h, rows, q)."""
+    G = G[:, :, :, None, None, :]
+    real, imag = D[:, :, 0, None], D[:, :, 1, None]
+    np.multiply(G.real, real, out=out[:, :, 0])
+    out[:, :, 0] -= G.imag * imag
+    np.multiply(G.imag, real, out=out[:, :, 1])
+    out[:, :, 1] += G.real * imag
+
+
+@dataclass(frozen=True)
+class Solution:
+    """Limit cycles found by Newton's method.
+
+    Attributes
+    ----------
+    cycles : Cycles
+        The M cycles; meaningless where `converged` is false.
+    line : tuple of three ndarray, shape (M,)
+        The line ``v V + a Y = s`` each was sought on, as (v, a, s).
+    converged : ndarray of bool, shape (M,)
+        Whether the last step was negligible.
+    V_slope, Y_slope : ndarray, shape (M,)
+        dV/ds and dY/ds along the branch.
+    harmonics : ndarray, complex, shape (M, h, n)
+        Harmonics of the states [SI].
+    """
+
+    cycles: Cycles
+    line: Line
+    converged: Array
+    V_slope: Array
+    Y_slope: Array
+    harmonics: Phasor
+
+    def __len__(self) -> int:
+        return len(self.converged)
+
+    def __getitem__(self, index: Array | slice) -> Solution:
+        v, a, s = self.line
+        return Solution(
+            self.cycles[index],
+            (v[index], a[index], s[index]),
+            self.converged[index],
+            self.V_slope[index],
+            self.Y_slope[index],
+            self.harmonics[index],
+        )
+
+    def put(self, index: Array, other: Solution) -> None:
+        """Write `other` over the cycles `index`, in place."""
+        self.cycles.put(index, other.cycles)
+        for mine, theirs in zip(self.line, other.line, strict=True):
+            mine[index] = theirs
+        for name in ("converged", "V_slope", "Y_slope", "harmonics"):
+            getattr(self, name)[index] = getattr(other, name)
+
+    def copy(self) -> Solution:
+        """Return a copy that `put` leaves alone."""
+        return self[np.arange(len(self))]
+
+    def joined(self, other: Solution) -> Solution:
+        """Return these cycles followed by `other`."""
+
+        def both(mine: Array, theirs: Array) -> Array:
+            return np.concatenate([mine, theirs])
+
+        line = tuple(both(*parts) for parts in zip(self.line, other.line, strict=True))
+        cycles = zip(vars(self.cycles).values(), vars(other.cycles).values(), strict=True)
+        return Solution(
+            Cycles(*(both(*parts) for parts in cycles)),
+            (line[0], line[1], line[2]),
+            both(self.converged, other.converged),
+            both(self.V_slope, other.V_slope),
+            both(self.Y_slope, other.Y_slope),
+            both(self.harmonics, other.harmonics),
+        )
+
+
+def at_amplitude(Y: Array) -> Line:
+    """Return the lines of given peak Y."""
+    return np.zeros_like(Y), np.ones_like(Y), Y
+
+
+def solve(balance: Balance, guess: Cycles, line: Line, tolerance: float = _TOLERANCE) -> Solution:
+    """Return the limit cycles next to `guess`, each on its line in the (V, Y) plane.
+
+    Parameters
+    ----------
+    balance : Balance
+        The equations of one system, or of the system of each guess.
+    guess : Cycles
+        M first guesses.
+    line : tuple of three ndarray, shape (M,)
+        ``v V + a Y = s`` as (v, a, s).
+    tolerance : float, default 1e-6
+        Relative Newton step that ends the search.
+
+    Returns
+    -------
+    Solution
+    """
+    h = len(balance.orders)
+    M, n = len(guess), balance.right.shape[-1]
+    cycles = guess.resized(h)
+    converged = np.zeros(M, dtype=bool)
+    V_slope, Y_slope = np.full((2, M), np.nan)
+    harmonics = np.full((M, h, n), np.nan, dtype=complex)
+    going = np.arange(M)
+    for _ in range(_STEPS):
+        if len(going) == 0:
+            break
+        part = cycles[going]
+        on_line = (line[0][going], line[1][going], line[2][going])
+        r, J, X = balance.take(going).newton_system(part, on_line)
+        right_sides = np.zeros((*r.shape, 2))
+        right_sides[..., 0] = -r
+        right_sides[:, -1, 1] = 1.0
+        step, along = np.moveaxis(np.linalg.solve(J, right_sides), -1, 0)
+        part, size = _stepped(part, step)
+        cycles.put(going, part)
+        V_slope[going], Y_slope[going] = along[:, -3], along[:, -1]
+        harmonics[going] = X * part.Y[:, None, None]
+        done = size < tolerance
+        converged[going[done]] = True
+        possible = np.isfinite(size) & (part.V > 0) & (part.omega > 0) & (part.Y > 0)
+        going = going[~done & possible]
+    return Solution(cycles, line, converged, V_slope, Y_slope, harmonics)
+
+
+def polished(balance: Balance, found: Solution) -> tuple[Solution, Response]:
+    """Return the cycles corrected by as many higher harmonics as were kept.
+
+    The higher harmonics follow from the forces, and a Newton step answers to them: what is left of
+    the truncation error is that of twice the harmonics.
+
+    Parameters
+    ----------
+    balance : Balance
+        The equations.
+    found : Solution
+        Cycles that have converged.
+
+    Returns
+    -------
+    Solution
+        Its harmonics have twice the number of orders, `Balance.all_orders`. Not converged where
+        the higher harmonics would change the cycle beyond recognition.
+    Response
+        What the ports do in these cycles.
+    """
+    orders, h = balance.all_orders(), len(balance.orders)
+    cycles = found.cycles[np.arange(len(found))]
+    U = cycles.resized(len(orders)).U
+    size = np.full(len(found), np.inf)
+    going = np.arange(len(found))
+    for _ in range(_CORRECTIONS):
+        part, here, Y = cycles[going], balance.take(going), cycles.Y[going, None, None]
+        F = response(here.ports, U[going] * Y, orders, 1).F / Y
+        tail = here.tail(part, F[:, h:])
+        v, a, s = found.line
+        r, J, _ = here.newton_system(part, (v[going], a[going], s[going]), tail)
+        part, size[going] = _stepped(part, np.linalg.solve(J, -r[..., None])[..., 0])
+        cycles.put(going, part)
+        U[going] = np.concatenate([part.U, here.seen(tail)], axis=1)
+        going = going[(size[going] > _TRUST) & (size[going] < 1) & (part.V > 0)]
+        if len(going) == 0:
+            break
+    failed = ~(size < _TRUST)
+    cycles.put(failed, found.cycles[failed])
+    U[failed] = found.cycles[failed].resized(len(orders)).U
+    Y = cycles.Y[:, None, None]
+    answer = response(balance.ports, U * Y, orders, 1)
+    better = replace(
+        found,
+        cycles=cycles,
+        converged=found.converged & ~failed,
+        harmonics=balance.states(cycles, answer.F / Y) * Y,
+    )
+    return better, answer
+
+
+def _stepped(cycles: Cycles, step: Array) -> tuple[Cycles, Array]:
+    """Return the cycles after a Newton step, held to 30 % in V, w and Y, and the step's size."""
+    M, h, q = cycles.U.shape
+    dU = step[:, :-5].reshape(M, h, 2, q)
+    dU = dU[:, :, 0] + 1j * dU[:, :, 1]
+    dkappa = step[:, -5] + 1j * step[:, -4]
+    dV, dw, dY = step[:, -3:].T
+    relative = np.abs([dV / cycles.V, dw / cycles.omega, dY / cycles.Y]).max(axis=0)
+    size = np.maximum(relative, np.abs(dU).max(axis=(-1, -2)))
+    share = np.minimum(1.0, 0.3 / np.maximum(relative, 1e-300))
+    moved = Cycles(
+        cycles.U + share[:, None, None] * dU,
+        cycles.kappa + share * dkappa,
+        cycles.V + share * dV,
+        cycles.omega + share * dw,
+        cycles.Y + share * dY,
+    )
+    return moved, size
