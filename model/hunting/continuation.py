@@ -6,6 +6,8 @@ to a larger one. It is followed along secants of the (V, Y) plane instead.
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from hunting.bogoliubov import Averaging
@@ -21,6 +23,8 @@ def continued(
 ) -> tuple[Solution, str]:
     """Return the branch completed beyond the last cycle found, and how it ends, in words.
 
+    The cycles are returned without higher harmonics.
+
     Parameters
     ----------
     balance : Balance
@@ -32,7 +36,11 @@ def continued(
     largest : float
         The amplitude at which the branch counts as ended [m].
     """
-    V_c = float(averaged.speed[0])
+    without_tail = replace(found.cycles, tail=found.cycles.tail[:, :0])
+    found = solve(balance, without_tail, found.line)
+    found, V_c = found[found.converged], float(averaged.speed[0])
+    if len(found) < 2:
+        return found, "the branch could not be followed further"
     scale = np.array([V_c, float(found.cycles.Y.max())])
     longest = _distance(found, scale).max(initial=0.05)
     reach = _distance(found[len(found) - 2 :], scale)[0]

@@ -134,7 +134,7 @@ def _polished(
     root: Array, low: Array, high: Array, negative: Array, U: Phasor, orders: Array, level: Array
 ) -> Array:
     """Return the roots of sum Re(U_k exp(i k theta)) = level by Newton's method in its bracket."""
-    for _ in range(4):
+    for _ in range(3):
         wave = U * np.exp(1j * root[:, None] * orders)
         value = wave.real.sum(axis=-1) - level
         slope = -(wave.imag @ orders)

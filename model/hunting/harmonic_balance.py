@@ -27,8 +27,8 @@ Line = tuple[Array, Array, Array]  # v V + a Y = s
 
 _TOLERANCE = 1e-6  # relative Newton step after which the error is its square
 _STEPS = 12
-_TRUST = 1e-3  # largest correction by the higher harmonics after which another one is idle
-_CORRECTIONS = 6
+_TRUST = 0.01  # largest correction by the higher harmonics after which another one is idle
+_CORRECTIONS = 6  # tried at most
 
 
 @dataclass(frozen=True)
@@ -43,6 +43,9 @@ class Cycles:
         l X_1 over the amplitude Y.
     V, omega, Y : ndarray, shape (M,)
         Speed [m/s], angular frequency [rad/s], peak displacement [m].
+    tail : ndarray, complex, shape (M, t, n)
+        Higher harmonics of the states, over Y, which Newton's method leaves as they are: none, or
+        as many as are solved for.
     """
 
     U: Phasor
@@ -50,6 +53,7 @@ class Cycles:
     V: Array
     omega: Array
     Y: Array
+    tail: Phasor
 
     def __len__(self) -> int:
         return len(self.V)
@@ -72,15 +76,17 @@ class Cycles:
         )
 
     def resized(self, harmonics: int) -> Cycles:
-        """Return the cycles with `harmonics` harmonics, new ones being zero."""
+        """Return the cycles with `harmonics` harmonics, new ones being zero, and no tail."""
+        if self.U.shape[1] == harmonics:
+            return self[np.arange(len(self))]
         U = np.zeros((len(self), harmonics, self.U.shape[-1]), dtype=complex)
         kept = min(harmonics, self.U.shape[1])
         U[:, :kept] = self.U[:, :kept]
-        return Cycles(U, *(part.copy() for part in list(vars(self).values())[1:]))
+        return replace(self, U=U, tail=self.tail[:, :0])
 
 
 @cache
-def _places(count: int) -> Line:
+def _places(count: int) -> tuple[Array, Array, Array]:
     """Return where S_(k-j) and S_(k+j) stand among S_0, S_2, ..., and whether k < j."""
     k = 2 * np.arange(count) + 1
     difference = (k[:, None] - k) // 2
@@ -88,16 +94,15 @@ def _places(count: int) -> Line:
 
 
 def _force_derivative(S: Phasor, count: int) -> Array:
-    """Return dF/dU in real form, shape (M, h, 2, h, 2, q): dF_k = S_(k-j) dU_j + S_(k+j) dU_j*."""
+    """Return dF/dU in real form, shape (M, q, h, 2, 2 h): dF_k = S_(k-j) dU_j + S_(k+j) dU_j*."""
     minus, plus, mirrored = _places(count)
-    lower = S[:, minus]
-    lower = np.where(mirrored[..., None], np.conj(lower), lower)
-    upper = S[:, plus]
-    D = np.empty((len(S), count, 2, count, 2, S.shape[-1]))
-    D[:, :, 0, :, 0] = lower.real + upper.real
-    D[:, :, 0, :, 1] = upper.imag - lower.imag
-    D[:, :, 1, :, 0] = lower.imag + upper.imag
-    D[:, :, 1, :, 1] = lower.real - upper.real
+    lower, upper = S[..., minus], S[..., plus]
+    np.conj(lower, out=lower, where=mirrored)
+    D = np.empty((*S.shape[:2], count, 2, 2 * count))
+    D[..., 0, 0::2] = lower.real + upper.real
+    D[..., 0, 1::2] = upper.imag - lower.imag
+    D[..., 1, 0::2] = lower.imag + upper.imag
+    D[..., 1, 1::2] = lower.real - upper.real
     return D
 
 
@@ -155,26 +160,31 @@ class Balance:
         T = self.inverses(cycles.V, cycles.omega)
         X = (T[..., :n, :n] @ (B[..., None, :, :] @ F[:, :h, :, None]))[..., 0]
         X[:, 0] += T[:, 0, :n, n] * cycles.kappa[:, None]
-        return np.concatenate([X, self.tail(cycles, F[:, h:])], axis=1)
-
-    def tail(self, cycles: Cycles, F: Phasor) -> Phasor:
-        """Return the harmonics of the states beyond those kept that answer to F, over Y."""
-        B = self.ports.B
-        orders = self.orders[-1] + 2 * np.arange(1, F.shape[1] + 1)
+        orders = self.orders[-1] + 2 * np.arange(1, F.shape[1] - h + 1)
         pencils = _pencils(self.ports.system.matrix(cycles.V), cycles.omega, orders)
-        return np.linalg.solve(pencils, B[..., None, :, :] @ F[..., None])[..., 0]
+        tail = np.linalg.solve(pencils, B[..., None, :, :] @ F[:, h:, :, None])[..., 0]
+        return np.concatenate([X, tail], axis=1)
 
-    def all_orders(self) -> Array:
-        """Return the orders kept and those of the tail."""
-        return orders_up_to(4 * len(self.orders) - 1)
+    def tail(self, cycles: Cycles) -> Phasor:
+        """Return the higher harmonics of the states that answer to the cycles' forces, over Y."""
+        h, Y = len(self.orders), cycles.Y[:, None, None]
+        F = response(self.ports, self.motion(cycles), self.orders_of(cycles), 1).F / Y
+        return self.states(cycles, F)[:, h:]
+
+    def orders_of(self, cycles: Cycles) -> Array:
+        """Return the orders solved for, and those of the tail."""
+        return orders_up_to(2 * (len(self.orders) + cycles.tail.shape[1]) - 1)
+
+    def motion(self, cycles: Cycles) -> Phasor:
+        """Return all harmonics of what the ports see [SI], shape (M, h + t, q)."""
+        U = np.concatenate([cycles.U, self.seen(cycles.tail)], axis=1)
+        return U * cycles.Y[:, None, None]
 
     def seen(self, X: Phasor) -> Phasor:
         """Return what the ports see of the harmonics X of the states, shape (M, h, q)."""
         return X @ np.swapaxes(self.ports.C[..., :-1, :], -1, -2)
 
-    def newton_system(
-        self, cycles: Cycles, line: Line, tail: Phasor | None = None
-    ) -> tuple[Array, Array, Phasor]:
+    def newton_system(self, cycles: Cycles, line: Line) -> tuple[Array, Array]:
         """Return residual and Jacobian at `cycles`.
 
         Parameters
@@ -183,29 +193,22 @@ class Balance:
             M candidates.
         line : tuple of three ndarray, shape (M,)
             The line ``v V + a Y = s`` on which each cycle is sought, as (v, a, s).
-        tail : ndarray, complex, shape (M, h, n), optional
-            Higher harmonics of the states over Y, which stay as they are.
 
         Returns
         -------
         residual : ndarray, shape (M, N)
         jacobian : ndarray, shape (M, N, N)
-            Unknowns in order: Re and Im of U_k for each k, Re kappa, Im kappa, V, w, Y. The last
-            equation is the line.
-        harmonics : ndarray, complex, shape (M, h, n)
-            Harmonics of the states over Y.
+            Unknowns in order: Re and Im of U_k for each k, port by port; Re kappa, Im kappa, V, w,
+            Y. The last equation is the line.
         """
         system, C, B, k = self.ports.system, self.ports.C, self.ports.B, self.orders
         (M, h, q), n = cycles.U.shape, C.shape[-1]
-        U, k_all = cycles.U, k
-        if tail is not None:
-            U, k_all = np.concatenate([U, self.seen(tail)], axis=1), self.all_orders()
-        answer = response(self.ports, U * cycles.Y[:, None, None], k_all, 2 * h)
+        answer = response(self.ports, self.motion(cycles), self.orders_of(cycles), 2 * h)
         D = _force_derivative(answer.S, h)
         F = answer.F[:, :h] / cycles.Y[:, None, None]
         F_Y = (_times(D, cycles.U) - F) / cycles.Y[:, None, None]
 
-        # X_k and g, and what they do when F, V, w, Y and kappa change.
+        # X_k and g, and what they do when kappa, V, w, Y and F change.
         T = self.inverses(cycles.V, cycles.omega)
         TB = T[..., :n] @ B[..., None, :, :]
         X = (TB @ F[..., None])[..., 0]
@@ -219,46 +222,48 @@ class Balance:
         effects[:, 0, :, 1] = 1j * T[:, 0, :, n]
         effects[..., 2:4] = T[..., :n] @ causes
         effects[..., 4] = (TB @ F_Y[..., None])[..., 0]
-
         seen = C[..., None, :, :] @ np.concatenate(
             [X[..., :n, None], effects[..., :n, :], TB[..., :n, :]], axis=-1
         )  # rows: the ports, then the output y
+        u, u_by, u_F = seen[:, :, :q, 0], seen[:, :, :q, 1:6], seen[:, :, :q, 6:]
         y, y_by, y_F = seen[:, :, q, 0], seen[:, :, q, 1:6], seen[:, :, q, 6:]
         size = 2 * q * h
         r = np.zeros((M, size + 5))
         J = np.zeros((M, size + 5, size + 5))
 
         # U_k = C X_k.
-        ports = r[:, :size].reshape(M, h, 2, q)
-        ports[:, :, 0] = cycles.U.real - seen[:, :, :q, 0].real
-        ports[:, :, 1] = cycles.U.imag - seen[:, :, :q, 0].imag
-        by = np.stack([seen[:, :, :q, 1:6].real, seen[:, :, :q, 1:6].imag], axis=2)
-        J[:, :size, size:] = -by.reshape(M, size, 5)
-        into = J[:, :size, :size].reshape(M, h, 2, q, h, 2, q)
-        _chain(-seen[:, :, :q, 6:], D, into)
-        on_diagonal = np.arange(size)
-        J[:, on_diagonal, on_diagonal] += 1.0
+        rows = r[:, :size].reshape(M, q, h, 2)
+        rows[..., 0] = np.swapaxes(cycles.U.real - u.real, 1, 2)
+        rows[..., 1] = np.swapaxes(cycles.U.imag - u.imag, 1, 2)
+        by = J[:, :size, size:].reshape(M, q, h, 2, 5)
+        by[..., 0, :] = -np.swapaxes(u_by.real, 1, 2)
+        by[..., 1, :] = -np.swapaxes(u_by.imag, 1, 2)
+        for port in range(q):
+            here = J[:, port * 2 * h : (port + 1) * 2 * h, :size]
+            _chain(-u_F[:, :, port], D, here.reshape(M, h, 2, q, 2 * h))
+        diagonal = np.arange(size)
+        J[:, diagonal, diagonal] += 1.0
 
-        # g = 0; the peak y(0) = Y, y'(0) = 0.
+        # g = 0.
         r[:, size], r[:, size + 1] = X[:, 0, n].real, X[:, 0, n].imag
         J[:, size, size:], J[:, size + 1, size:] = effects[:, 0, n].real, effects[:, 0, n].imag
-        _chain(TB[:, :1, n:], D[:, :1], J[:, size : size + 2, :size].reshape(M, 1, 2, 1, h, 2, q))
-        y_U = np.empty((M, h, 2, size))
-        _chain(y_F[:, :, None], D, y_U.reshape(M, h, 2, 1, h, 2, q))
-        r[:, size + 2] = y.real.sum(axis=1) - 1
-        r[:, size + 3] = y.imag @ k
-        if tail is not None:
-            r[:, size + 2] += (tail @ system.output).real.sum(axis=1)
-            r[:, size + 3] += (tail @ system.output).imag @ k_all[h:]
-        J[:, size + 2, :size] = y_U[:, :, 0].sum(axis=1)
-        J[:, size + 3, :size] = (y_U[:, :, 1] * k[:, None]).sum(axis=1)
+        _chain(TB[:, :1, n], D[:, :, :1], J[:, size : size + 2, :size].reshape(M, 1, 2, q, 2 * h))
+
+        # The peak: y(0) = Y, y'(0) = 0.
+        higher = self.orders_of(cycles)[h:]
+        r[:, size + 2] = y.real.sum(axis=1) - 1 + (cycles.tail @ system.output).real.sum(axis=1)
+        r[:, size + 3] = y.imag @ k + (cycles.tail @ system.output).imag @ higher
+        y_U = np.empty((M, h, 2, q, 2 * h))
+        _chain(y_F, D, y_U)
+        J[:, size + 2, :size] = y_U[:, :, 0].sum(axis=1).reshape(M, size)
+        J[:, size + 3, :size] = np.tensordot(y_U[:, :, 1], k, (1, 0)).reshape(M, size)
         J[:, size + 2, size:] = y_by.real.sum(axis=1)
-        J[:, size + 3, size:] = (y_by.imag * k[:, None]).sum(axis=1)
+        J[:, size + 3, size:] = np.tensordot(y_by.imag, k, (1, 0))
 
         v, a, s = line
         r[:, size + 4] = v * cycles.V + a * cycles.Y - s
         J[:, size + 4, size + 2], J[:, size + 4, size + 4] = v, a
-        return r, J, X[..., :n]
+        return r, J
 
 
 def _pencils(A: Array, omega: Array, orders: Array) -> Phasor:
@@ -270,18 +275,17 @@ def _pencils(A: Array, omega: Array, orders: Array) -> Phasor:
 
 
 def _times(D: Array, U: Phasor) -> Phasor:
-    """Return the derivative of F along U."""
-    (M, h, q) = U.shape
-    parts = np.stack([U.real, U.imag], axis=2).reshape(M, 2 * h, q)
-    along = np.einsum("mijq,mjq->miq", D.reshape(M, 2 * h, 2 * h, q), parts)
-    along = along.reshape(M, h, 2, q)
-    return along[:, :, 0] + 1j * along[:, :, 1]
+    """Return the derivative of F along U, shape (M, h, q)."""
+    M, h, q = U.shape
+    parts = np.stack([U.real, U.imag], axis=-1).transpose(0, 2, 1, 3).reshape(M, q, 1, 2 * h, 1)
+    along = np.swapaxes((D @ parts)[..., 0], 1, 2)
+    return along[..., 0] + 1j * along[..., 1]
 
 
 def _chain(G: Phasor, D: Array, out: Array) -> None:
-    """Write d(G_k F_k)/dU in real form to `out`, (M, h, 2, rows, h, 2, q), G of (M, h, rows, q)."""
-    G = G[:, :, :, None, None, :]
-    real, imag = D[:, :, 0, None], D[:, :, 1, None]
+    """Write d(sum_q G_kq F_kq)/dU in real form to `out`, shape (M, h, 2, q, 2 h)."""
+    real, imag = D[..., 0, :].swapaxes(1, 2), D[..., 1, :].swapaxes(1, 2)
+    G = G[..., None]
     np.multiply(G.real, real, out=out[:, :, 0])
     out[:, :, 0] -= G.imag * imag
     np.multiply(G.imag, real, out=out[:, :, 1])
@@ -302,8 +306,6 @@ class Solution:
         Whether the last step was negligible.
     V_slope, Y_slope : ndarray, shape (M,)
         dV/ds and dY/ds along the branch.
-    harmonics : ndarray, complex, shape (M, h, n)
-        Harmonics of the states [SI].
     """
 
     cycles: Cycles
@@ -311,7 +313,6 @@ class Solution:
     converged: Array
     V_slope: Array
     Y_slope: Array
-    harmonics: Phasor
 
     def __len__(self) -> int:
         return len(self.converged)
@@ -324,7 +325,6 @@ class Solution:
             self.converged[index],
             self.V_slope[index],
             self.Y_slope[index],
-            self.harmonics[index],
         )
 
     def put(self, index: Array, other: Solution) -> None:
@@ -332,7 +332,7 @@ class Solution:
         self.cycles.put(index, other.cycles)
         for mine, theirs in zip(self.line, other.line, strict=True):
             mine[index] = theirs
-        for name in ("converged", "V_slope", "Y_slope", "harmonics"):
+        for name in ("converged", "V_slope", "Y_slope"):
             getattr(self, name)[index] = getattr(other, name)
 
     def copy(self) -> Solution:
@@ -353,7 +353,6 @@ class Solution:
             both(self.converged, other.converged),
             both(self.V_slope, other.V_slope),
             both(self.Y_slope, other.Y_slope),
-            both(self.harmonics, other.harmonics),
         )
 
 
@@ -380,19 +379,17 @@ def solve(balance: Balance, guess: Cycles, line: Line, tolerance: float = _TOLER
     -------
     Solution
     """
-    h = len(balance.orders)
-    M, n = len(guess), balance.right.shape[-1]
-    cycles = guess.resized(h)
+    M = len(guess)
+    cycles = guess.resized(len(balance.orders))
     converged = np.zeros(M, dtype=bool)
     V_slope, Y_slope = np.full((2, M), np.nan)
-    harmonics = np.full((M, h, n), np.nan, dtype=complex)
     going = np.arange(M)
     for _ in range(_STEPS):
         if len(going) == 0:
             break
         part = cycles[going]
         on_line = (line[0][going], line[1][going], line[2][going])
-        r, J, X = balance.take(going).newton_system(part, on_line)
+        r, J = balance.take(going).newton_system(part, on_line)
         right_sides = np.zeros((*r.shape, 2))
         right_sides[..., 0] = -r
         right_sides[:, -1, 1] = 1.0
@@ -400,16 +397,15 @@ def solve(balance: Balance, guess: Cycles, line: Line, tolerance: float = _TOLER
         part, size = _stepped(part, step)
         cycles.put(going, part)
         V_slope[going], Y_slope[going] = along[:, -3], along[:, -1]
-        harmonics[going] = X * part.Y[:, None, None]
         done = size < tolerance
         converged[going[done]] = True
         possible = np.isfinite(size) & (part.V > 0) & (part.omega > 0) & (part.Y > 0)
         going = going[~done & possible]
-    return Solution(cycles, line, converged, V_slope, Y_slope, harmonics)
+    return Solution(cycles, line, converged, V_slope, Y_slope)
 
 
-def polished(balance: Balance, found: Solution) -> tuple[Solution, Response]:
-    """Return the cycles corrected by as many higher harmonics as were kept.
+def polished(balance: Balance, found: Solution, trust: float = _TRUST) -> Solution:
+    """Return the cycles corrected by as many higher harmonics as were solved for.
 
     The higher harmonics follow from the forces, and a Newton step answers to them: what is left of
     the truncation error is that of twice the harmonics.
@@ -420,51 +416,60 @@ def polished(balance: Balance, found: Solution) -> tuple[Solution, Response]:
         The equations.
     found : Solution
         Cycles that have converged.
+    trust : float, default 0.01
+        Largest correction after which another one is idle.
 
     Returns
     -------
     Solution
-        Its harmonics have twice the number of orders, `Balance.all_orders`. Not converged where
-        the higher harmonics would change the cycle beyond recognition.
-    Response
-        What the ports do in these cycles.
+        Not converged where the higher harmonics would change the cycle beyond recognition.
     """
-    orders, h = balance.all_orders(), len(balance.orders)
-    cycles = found.cycles[np.arange(len(found))]
-    U = cycles.resized(len(orders)).U
+    h, n = len(balance.orders), balance.right.shape[-1]
+    cycles = replace(found.cycles, tail=np.zeros((len(found), h, n), dtype=complex))
+    cycles = cycles[np.arange(len(found))]  # a copy, to be written to
     size = np.full(len(found), np.inf)
     going = np.arange(len(found))
     for _ in range(_CORRECTIONS):
-        part, here, Y = cycles[going], balance.take(going), cycles.Y[going, None, None]
-        F = response(here.ports, U[going] * Y, orders, 1).F / Y
-        tail = here.tail(part, F[:, h:])
+        part, here = cycles[going], balance.take(going)
+        part = replace(part, tail=here.tail(part))
         v, a, s = found.line
-        r, J, _ = here.newton_system(part, (v[going], a[going], s[going]), tail)
+        r, J = here.newton_system(part, (v[going], a[going], s[going]))
         part, size[going] = _stepped(part, np.linalg.solve(J, -r[..., None])[..., 0])
         cycles.put(going, part)
-        U[going] = np.concatenate([part.U, here.seen(tail)], axis=1)
-        going = going[(size[going] > _TRUST) & (size[going] < 1) & (part.V > 0)]
+        going = going[(size[going] > trust) & (size[going] < 1) & (part.V > 0)]
         if len(going) == 0:
             break
-    failed = ~(size < _TRUST)
-    cycles.put(failed, found.cycles[failed])
-    U[failed] = found.cycles[failed].resized(len(orders)).U
-    Y = cycles.Y[:, None, None]
-    answer = response(balance.ports, U * Y, orders, 1)
-    better = replace(
-        found,
-        cycles=cycles,
-        converged=found.converged & ~failed,
-        harmonics=balance.states(cycles, answer.F / Y) * Y,
-    )
-    return better, answer
+    failed = ~(size < trust)
+    cycles.put(failed, replace(found.cycles[failed], tail=np.zeros_like(cycles.tail[failed])))
+    return replace(found, cycles=cycles, converged=found.converged & ~failed)
+
+
+def completed(balance: Balance, found: Solution) -> tuple[Response, Phasor]:
+    """Return what the ports do in the cycles, and the harmonics of their states.
+
+    Parameters
+    ----------
+    balance : Balance
+        The equations.
+    found : Solution
+        M cycles, corrected by higher harmonics.
+
+    Returns
+    -------
+    Response
+    ndarray, complex, shape (M, 2 h, n)
+        In SI units.
+    """
+    cycles, Y = found.cycles, found.cycles.Y[:, None, None]
+    answer = response(balance.ports, balance.motion(cycles), balance.orders_of(cycles), 1)
+    return answer, balance.states(cycles, answer.F / Y) * Y
 
 
 def _stepped(cycles: Cycles, step: Array) -> tuple[Cycles, Array]:
     """Return the cycles after a Newton step, held to 30 % in V, w and Y, and the step's size."""
     M, h, q = cycles.U.shape
-    dU = step[:, :-5].reshape(M, h, 2, q)
-    dU = dU[:, :, 0] + 1j * dU[:, :, 1]
+    dU = step[:, :-5].reshape(M, q, h, 2)
+    dU = np.swapaxes(dU[..., 0] + 1j * dU[..., 1], 1, 2)
     dkappa = step[:, -5] + 1j * step[:, -4]
     dV, dw, dY = step[:, -3:].T
     relative = np.abs([dV / cycles.V, dw / cycles.omega, dY / cycles.Y]).max(axis=0)
@@ -476,5 +481,6 @@ def _stepped(cycles: Cycles, step: Array) -> tuple[Cycles, Array]:
         cycles.V + share * dV,
         cycles.omega + share * dw,
         cycles.Y + share * dY,
+        cycles.tail,
     )
     return moved, size

@@ -20,7 +20,15 @@ from hunting.continuation import continued
 from hunting.elements import Array
 from hunting.floquet import half_multipliers
 from hunting.folds import FREE, turning_amplitude
-from hunting.harmonic_balance import Balance, Cycles, Solution, at_amplitude, polished, solve
+from hunting.harmonic_balance import (
+    Balance,
+    Cycles,
+    Solution,
+    at_amplitude,
+    completed,
+    polished,
+    solve,
+)
 from hunting.lure import LureSystem
 from hunting.ports import Ports, orders_up_to
 from hunting.stability import HopfPoints
@@ -29,6 +37,7 @@ HARMONICS = 15
 _POINTS = 62  # of the default branch, folds not counted
 _FREE = np.array([0.25, 0.5, 0.75, 0.9, FREE])  # amplitudes found first, over the clearance
 _TOUCHING = 8  # and as many beyond it
+_CRUDE = 0.03  # relative Newton step that the first cycles may end with
 _ROUGH = 1e-3  # relative Newton step, squared by the next one, that guesses and turns may end with
 
 
@@ -102,6 +111,11 @@ def _branch(system: LureSystem, averaged: Averaging, Y: Array | None, harmonics:
         found, note = _to_its_end(balance, found, averaged, delta)
     elif not tried.converged.all():
         note = f"{(~tried.converged).sum()} of {len(tried)} cycles were not found"
+    if not first.converged.all() or len(first) < len(_FREE) + _TOUCHING or len(found) > len(tried):
+        found = polished(balance, found)
+        if not found.converged.all():
+            note = f"{(~found.converged).sum()} cycles need more than {harmonics} harmonics"
+            found = found[found.converged]
     return _as_branch(balance, averaged, found, note)
 
 
@@ -138,10 +152,7 @@ def _to_its_end(
 
 def _as_branch(balance: Balance, averaged: Averaging, found: Solution, note: str) -> Branch:
     """Return the branch of the cycles found, the Hopf point in front."""
-    better, answer = polished(balance, found)
-    if not better.converged.all():
-        better, answer = polished(balance, found[better.converged])
-    found = better
+    answer, states = completed(balance, found)
     system, cycles = balance.ports.system, found.cycles
     half = half_multipliers(balance.ports, cycles.V, cycles.omega, answer)
     V_c, omega_c = averaged.speed, averaged.frequency
@@ -156,8 +167,8 @@ def _as_branch(balance: Balance, averaged: Averaging, found: Solution, note: str
         speed=np.append(V_c, cycles.V),
         frequency=np.append(omega_c, cycles.omega),
         stable=np.append(stable[0] if len(stable) else False, stable),
-        harmonics=np.concatenate([np.zeros_like(found.harmonics[:1]), found.harmonics]),
-        orders=tuple(balance.all_orders().tolist()),
+        harmonics=np.concatenate([np.zeros((1, *states.shape[1:]), dtype=complex), states]),
+        orders=tuple(balance.orders_of(cycles).tolist()),
         fold=fold,
         system=system,
         multipliers=np.concatenate([at_hopf[None], half**2]),
@@ -186,23 +197,33 @@ def _first_cycles(balance: Balance, averaged: Averaging, delta: float, largest: 
         V=np.clip(averaged.branch_speed(Y), 0.5 * V_c, 1.2 * V_c),
         omega=np.full(len(Y), averaged.frequency[0]),
         Y=Y,
+        tail=np.zeros((len(Y), 0, len(averaged.right[0])), dtype=complex),
     )
     one = Balance(balance.ports, balance.right, balance.left, orders_up_to(1))
-    guess = solve(one, guess, at_amplitude(Y), tolerance=0.1).cycles
-    return solve(balance, guess, at_amplitude(Y), tolerance=_ROUGH)
+    guess = solve(one, guess, at_amplitude(Y), tolerance=0.5).cycles
+    first = solve(balance, guess, at_amplitude(Y), tolerance=_CRUDE)
+    return polished(balance, first[first.converged], trust=_CRUDE)
 
 
 def _between(
     balance: Balance, averaged: Averaging, first: Solution, delta: float, Y: Array
 ) -> Cycles:
     """Return guesses at the amplitudes Y by splines, one on each side of the clearance."""
-    h, q = len(balance.orders), balance.ports.B.shape[-1]
+    h, (n, q) = len(balance.orders), balance.ports.B.shape[-2:]
     cycles = first.cycles[first.converged]
-    U1 = balance.seen(averaged.right).ravel()
-    start = [*U1, *np.zeros((h - 1) * q), 1.0, averaged.speed[0], averaged.frequency[0]]
-    shapes = cycles.U.reshape(len(cycles), h * q)
-    rows = np.column_stack([shapes, cycles.kappa, cycles.V, cycles.omega])
-    rows = np.vstack([start, rows])
+    rows = np.column_stack(
+        [
+            cycles.U.reshape(len(cycles), h * q),
+            cycles.tail.reshape(len(cycles), h * n),
+            cycles.kappa,
+            cycles.V,
+            cycles.omega,
+        ]
+    )
+    start = np.zeros((1, rows.shape[-1]), dtype=complex)
+    start[0, :q] = balance.seen(averaged.right)[0]
+    start[0, -3:] = 1.0, averaged.speed[0], averaged.frequency[0]
+    rows = np.concatenate([start, rows])
     y, at = np.append(0.0, cycles.Y) / delta, Y / delta
     out = np.empty((len(Y), rows.shape[-1]), dtype=complex)
     free, beyond = at <= 1, at > 1
@@ -211,7 +232,8 @@ def _between(
     w = np.sqrt(np.maximum(y[y > touches] - 1, 0.0))
     out[beyond] = _spline(w, rows[y > touches], np.sqrt(at[beyond] - 1), otherwise=rows[-1])
     return Cycles(
-        U=out[:, :-3].reshape(len(Y), h, q),
+        U=out[:, : h * q].reshape(len(Y), h, q),
+        tail=out[:, h * q : -3].reshape(len(Y), h, n),
         kappa=out[:, -3],
         V=out[:, -2].real,
         omega=out[:, -1].real,

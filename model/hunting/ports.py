@@ -69,7 +69,7 @@ class Response:
         Derivative of each force at the nodes.
     F : ndarray, complex, shape (M, h, q)
         Harmonics of the forces, F_k = (2/pi) int_0^pi phi exp(-i k theta).
-    S : ndarray, complex, shape (M, s, q)
+    S : ndarray, complex, shape (M, q, s)
         Harmonics of the slopes, S_2m = (1/pi) int_0^pi phi' exp(-2 i m theta).
     """
 
@@ -102,7 +102,7 @@ def response(ports: Ports, U: Phasor, orders: Array, slope_orders: int) -> Respo
     -------
     Response
     """
-    half = half_period(U, orders, ports.kinks(), panels=max(6, round(orders[-1] / 4)))
+    half = half_period(U, orders, ports.kinks(), panels=max(6, round(orders[-1] / 5)))
     # z^k for odd k serves the forces, and times z* the even harmonics of the slopes.
     z = np.exp(-1j * half.theta)
     odd = np.empty((len(z), max(slope_orders, len(orders)), z.shape[-1]), dtype=complex)
@@ -116,5 +116,6 @@ def response(ports: Ports, U: Phasor, orders: Array, slope_orders: int) -> Respo
     force = ports.over_time(u, "nonlinear")
     weights = half.weights[..., None]
     F = 2 / np.pi * (waves @ (force * weights))
-    S = 1 / np.pi * (odd[:, :slope_orders] @ (slopes * weights * np.conj(z)[..., None]))
+    turned = np.swapaxes(slopes * weights * np.conj(z)[..., None], -1, -2)
+    S = 1 / np.pi * (turned @ np.swapaxes(odd[:, :slope_orders], -1, -2))
     return Response(half, slopes, F, S)

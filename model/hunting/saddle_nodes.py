@@ -92,7 +92,7 @@ def slowest_cycles(
 
     which, sides = which[rising], (sides[0][rising], sides[1][rising])
     folds = _closed_in(balance.take(which), *sides, delta[which])
-    final, _ = polished(balance.take(which), folds)
+    final = polished(balance.take(which), folds)
     missed[which[~final.converged]] = True
     slower = V[which] > final.cycles.V
     V[which[slower]], Y[which[slower]] = final.cycles.V[slower], final.cycles.Y[slower]
@@ -105,13 +105,15 @@ def _at_rest(balance: Balance, averaged: Averaging) -> Solution:
     U = np.zeros((M, len(balance.orders), balance.ports.B.shape[-1]), dtype=complex)
     U[:, 0] = balance.seen(averaged.right)[:, 0]
     cycles = Cycles(
-        U, np.ones(M, dtype=complex), averaged.speed[:, 0], averaged.frequency[:, 0], none
+        U,
+        np.ones(M, dtype=complex),
+        averaged.speed[:, 0],
+        averaged.frequency[:, 0],
+        none,
+        np.zeros((M, 0, averaged.right.shape[-1]), dtype=complex),
     )
     slope = averaged.branch_slope(none[:, None])[:, 0]
-    shape = (M, len(balance.orders), averaged.right.shape[-1])
-    return Solution(
-        cycles, at_amplitude(none), none == 0, slope, none + 1, np.zeros(shape, dtype=complex)
-    )
+    return Solution(cycles, at_amplitude(none), none == 0, slope, none + 1)
 
 
 def touching_cycles(balance: Balance, rest: Solution, V: Array, Y: Array) -> Solution:
