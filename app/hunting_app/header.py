@@ -1,0 +1,42 @@
+"""The header: pages, light or dark, and the address bar."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, ClassVar
+
+import param
+from panel.custom import JSComponent
+
+from hunting_app.state import PAGES
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+_HERE = Path(__file__).parent
+
+
+class Header(JSComponent):
+    """Title, navigation, theme; keeps the address bar and the Back button in step."""
+
+    pages = param.List(doc="Key and label of each page.")
+    page = param.String()
+    dark = param.Boolean()
+    address = param.String(
+        allow_None=True, doc="The query string; None where no address bar is ours."
+    )
+
+    _esm: ClassVar = _HERE / "header.js"
+    _stylesheets: ClassVar = [(_HERE / "header.css").read_text(encoding="utf-8")]
+
+    def __init__(self, act: Callable[[dict[str, Any]], None], **params: Any) -> None:
+        super().__init__(
+            pages=[list(item) for item in PAGES.items()],
+            sizing_mode="stretch_width",
+            margin=0,
+            **params,
+        )
+        self._act = act
+
+    def _handle_msg(self, data: Any) -> None:
+        self._act(data)

@@ -1,0 +1,143 @@
+"""Bifurcation diagram: amplitude of the limit cycles over forward speed."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from hunting_app.numerals import rounded_up
+from hunting_app.picture import KMH, MM
+from hunting_app.plots.base import Plot
+
+if TYPE_CHECKING:
+    from hunting_app.picture import Answers, Picture
+    from hunting_app.plots.feed import Columns, Feed
+
+_ZONES = ("safe", "conditional", "hunting")
+
+
+class Bifurcation(Plot):
+    """Stable branches solid, unstable ones dashed, over the zones of the first vehicle."""
+
+    def __init__(self, feed: Feed) -> None:
+        self.feed = feed
+        super().__init__(
+            "forward speed V [km/h]",
+            "amplitude of the limit cycle, peak |y| [mm]",
+            "bifurcation",
+            "Bifurcation diagram: amplitude of the limit cycles over forward speed",
+        )
+        self.zones = {zone: feed.source("left", "right") for zone in _ZONES}
+        self.clearance = feed.source("y")
+        self.cursor = feed.source("x")
+        self.branches = {v: feed.source("V", "stable", "unstable") for v in ("bogie", "wheelset")}
+        self.hopf = {v: feed.source("V", "a") for v in self.branches}
+        self.folds = {v: feed.source("V", "a") for v in self.branches}
+        self.cycles = {v: feed.source("V", "stable", "unstable") for v in self.branches}
+        self._draw_background()
+        for vehicle in self.branches:
+            self._draw_vehicle(vehicle)
+
+    def _draw_background(self) -> None:
+        for zone, source in self.zones.items():
+            self.add(
+                "vstrip", source, {"fill_color": zone}, x0="left", x1="right",
+                fill_alpha=0.16, line_color=None,
+            )  # fmt: skip
+        self.add(
+            "hspan", self.clearance, {"line_color": "clearance"}, y="y", line_dash="dotted",
+            line_width=1.5,
+        )  # fmt: skip
+        self.add("vspan", self.cursor, {"line_color": "cursor"}, x="x", line_width=1.5)
+
+    def _draw_vehicle(self, v: str) -> None:
+        colour, filled = {"line_color": v}, {"line_color": v, "fill_color": v}
+        hollow = {"line_color": v, "fill_color": "paper"}
+        branch, cycles = self.branches[v], self.cycles[v]
+        stable = self.add("line", branch, colour, x="V", y="stable", line_width=3)
+        unstable = self.add(
+            "line", branch, colour, x="V", y="unstable", line_width=2.5, line_dash=[7, 5]
+        )
+        self.add("scatter", self.hopf[v], filled, x="V", y="a", size=10)
+        self.add("scatter", self.folds[v], filled, x="V", y="a", size=13, marker="diamond")
+        self.add("scatter", cycles, filled, x="V", y="stable", size=8, marker="square")
+        self.add("scatter", cycles, hollow, x="V", y="unstable", size=8, marker="square")
+        self.hover(
+            [stable, unstable],
+            [("V", "$data_x{0.0} km/h"), ("amplitude", "$data_y{0.00} mm")],
+        )
+
+    def draw(self, shown: Picture) -> None:
+        """Draw branches, points and zones."""
+        for vehicle in self.branches:
+            answers = shown.answers.get(vehicle)
+            self.feed.put(self.branches[vehicle], _branch(answers))
+            self.feed.put(self.hopf[vehicle], _hopf(answers))
+            self.feed.put(self.folds[vehicle], _fold(answers))
+        end = float(shown.speeds[-1])
+        zones = _zones(next(iter(shown.answers.values())), end)
+        for zone, source in self.zones.items():
+            here = [(low, high) for name, low, high in zones if name == zone]
+            self.feed.put(
+                source, {"left": [low for low, _ in here], "right": [high for _, high in here]}
+            )
+        delta = shown.clearance
+        self.feed.put(self.clearance, {"y": [delta]})
+        self.frame((0, end), (0, rounded_up(1.2 * delta)))
+
+    def draw_moment(self, shown: Picture) -> None:
+        """Draw the cursor and the cycles it meets."""
+        self.feed.put(self.cursor, {"x": [shown.speed]})
+        for vehicle, source in self.cycles.items():
+            moment = shown.moments.get(vehicle)
+            cycles = moment.cycles if moment else []
+            marks = {
+                "V": [shown.speed] * len(cycles),
+                "stable": [MM * c.amplitude if c.stable else math.nan for c in cycles],
+                "unstable": [math.nan if c.stable else MM * c.amplitude for c in cycles],
+            }
+            self.feed.put(source, marks)
+
+
+def _branch(answers: Answers | None) -> Columns:
+    if answers is None or not answers.branch.speed.size:
+        return {"V": [], "stable": [], "unstable": []}
+    branch = answers.branch
+    amplitude, stable = MM * branch.amplitude, branch.stable
+    touches_unstable = ~stable
+    touches_unstable[1:] |= ~stable[:-1]  # so that the two curves meet
+    return {
+        "V": KMH * branch.speed,
+        "stable": np.where(stable, amplitude, np.nan),
+        "unstable": np.where(touches_unstable, amplitude, np.nan),
+    }
+
+
+def _hopf(answers: Answers | None) -> Columns:
+    speeds = (KMH * answers.hopf.speed).tolist() if answers else []
+    return {"V": speeds, "a": [0.0] * len(speeds)}
+
+
+def _fold(answers: Answers | None) -> Columns:
+    if answers is None or answers.branch.fold is None:
+        return {"V": [], "a": []}
+    speed, amplitude = answers.branch.fold
+    return {"V": [KMH * speed], "a": [MM * amplitude]}
+
+
+def _zones(answers: Answers, end: float) -> list[tuple[str, float, float]]:
+    """Return (zone, from, to) [km/h]; nothing where the model has no answer."""
+    if answers.unstable_everywhere:
+        return [("hunting", 0.0, end)]
+    linear = KMH * float(answers.critical.linear)
+    if not math.isfinite(linear):
+        return []
+    zones = [("conditional", answers.lowest, linear), ("hunting", linear, end)]
+    zones += [("hunting", KMH * low, KMH * high) for low, high in answers.critical.windows]
+    start = 0.0
+    for low, high in [*answers.critical.windows, (answers.lowest / KMH, 0.0)]:
+        zones.append(("safe", start, KMH * low))
+        start = KMH * high
+    return [(zone, low, high) for zone, low, high in zones if high > low]

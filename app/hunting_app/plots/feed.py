@@ -1,0 +1,72 @@
+"""All curves of the page travel as one array.
+
+Bokeh sends each column of each source as two frames of its own, some seventy of them for one move
+of a slider, and the frames cost more than what is in them. One array of all columns, taken apart
+in the browser, costs two.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from bokeh.models import ColumnDataSource, CustomJS
+from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    from bokeh.model import Model
+
+Columns = Mapping[str, Sequence[float] | NDArray[np.float64]]
+
+_TAKE_APART = (Path(__file__).parent / "feed.js").read_text(encoding="utf-8")
+_UNCHANGED = -1.0
+
+
+class Feed:
+    """Sources of numbers, filled together.
+
+    Before the page is shown `send` fills the sources themselves; afterwards only their twins in
+    the browser: here they keep what the page began with.
+    """
+
+    def __init__(self) -> None:
+        self.sources: list[ColumnDataSource] = []
+        self._staged: dict[str, Columns] = {}
+        self._channel = ColumnDataSource({"packed": np.zeros(0)})
+
+    def source(self, *columns: str) -> ColumnDataSource:
+        """Return a new empty source with these columns."""
+        source = ColumnDataSource({name: [] for name in columns})
+        self.sources.append(source)
+        return source
+
+    def connect(self, model: Model) -> None:
+        """Let the array travel with a model of the page, once all sources are made."""
+        columns = [source.column_names for source in self.sources]
+        take_apart = CustomJS(args={"sources": self.sources, "columns": columns}, code=_TAKE_APART)
+        self._channel.js_on_change("data", take_apart)
+        model.tags = [*model.tags, self._channel]
+
+    def put(self, source: ColumnDataSource, columns: Columns) -> None:
+        """Give a source new columns of one length, with the next `send`."""
+        self._staged[source.id] = columns
+
+    def send(self) -> None:
+        """Show what was put since the last time."""
+        if self._channel.document is None:
+            for source in self.sources:
+                if source.id in self._staged:
+                    source.data = dict(self._staged[source.id])
+        else:
+            parts: list[Sequence[float] | NDArray[np.float64]] = []
+            for source in self.sources:
+                columns = self._staged.get(source.id)
+                if columns is None:
+                    parts.append([_UNCHANGED])
+                else:
+                    values = [columns[name] for name in source.column_names]
+                    parts += [[len(values[0])], *values]
+            self._channel.data = {"packed": np.concatenate(parts).astype(float, copy=False)}
+        self._staged.clear()

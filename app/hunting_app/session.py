@@ -1,0 +1,130 @@
+"""One session of the dashboard: the state, what may change it, and the views that show it."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import panel as pn
+
+from hunting_app import link, words
+from hunting_app.explore import Explore, block
+from hunting_app.header import Header
+from hunting_app.pace import send_at_once
+from hunting_app.picture import picture
+from hunting_app.sidebar import Sidebar
+from hunting_app.state import State, with_preset, with_reset, with_value
+
+
+def dashboard(search: str | None = None) -> pn.viewable.Viewable:
+    """Return the dashboard, to be served or to be shown in a notebook cell.
+
+    Parameters
+    ----------
+    search : str, optional
+        A query string to start from, such as ``"?Ky=1e5&vehicle=both"``; by default the one in
+        the address bar, if there is one.
+    """
+    pn.extension()
+    return Session(search).root
+
+
+class Session:
+    """Wires the state to its views; every change of the state goes through `act`."""
+
+    def __init__(self, search: str | None = None) -> None:
+        served = pn.state.location
+        if search is None:
+            search = served.search if served else ""
+        start, self.notices = link.changes(search)
+        dark = pn.state.cookies.get("hunting-dark") == "true" if served else False
+        self.state = State(**start, dark=dark)
+        self.refused: dict[str, str] = {}
+        try:
+            self._check({})
+        except ValueError as refusal:
+            self.notices.append(str(refusal))
+            self.state = State(dark=dark)
+        self.header = Header(
+            self.act,
+            page=self.state.page,
+            dark=dark,
+            address=link.query(self.state) if served else None,
+        )
+        self.sidebar = Sidebar(self.act_all)
+        self._show()
+        self.explore = Explore(self.state, self.act)
+        self.pages = {"explore": block("page", self.sidebar, self.explore)}
+        self.root = block("root", self.header, *self.pages.values())
+        self._turn_page()
+        self._choose_scheme()
+        self.state.param.watch(lambda *_: self._turn_page(), ["page"])
+        self.state.param.watch(lambda *_: self._choose_scheme(), ["dark"])
+
+    def act_all(self, acts: list[dict[str, Any]]) -> None:
+        """Do what clicks, keys and sliders ask for; the browser gets it all in one update."""
+        send_at_once()
+        with pn.io.hold():
+            try:
+                for act in acts:
+                    self._do(act)
+            finally:
+                self._show()
+
+    def act(self, act: dict[str, Any]) -> None:
+        """Do one thing."""
+        self.act_all([act])
+
+    def _do(self, act: dict[str, Any]) -> None:
+        name = act.get("set", "")
+        self.refused.pop(name, None)
+        try:
+            change = self._change(act)
+            self._check(change)
+        except (ValueError, TypeError) as refusal:
+            self.refused[name] = str(refusal)
+        else:
+            self.state.param.update(**change)
+
+    def _check(self, change: dict[str, Any]) -> None:
+        """Raise what the model has against a change before it is made."""
+        now = self.state
+        picture(
+            change.get("parameters", now.parameters),
+            change.get("vehicle", now.vehicle),
+            change.get("speed", now.speed),
+        )
+
+    def _change(self, act: dict[str, Any]) -> dict[str, Any]:
+        match act:
+            case {"set": name, "to": value}:
+                return with_value(self.state, name, value)
+            case {"reset": list(names)}:
+                for name in names:
+                    self.refused.pop(name, None)
+                return with_reset(self.state, names)
+            case {"preset": name}:
+                self.refused.clear()
+                return with_preset(name)
+            case {"link": search}:
+                change, self.notices = link.changes(search)
+                return change
+            case {"rest": True}:
+                self.header.address = link.query(self.state)
+            case {"dismiss": True}:
+                self.notices = []
+            case {"vehicle": _} | {"curve": _} | {"page": _} | {"dark": bool()}:
+                return act
+        return {}
+
+    def _show(self) -> None:
+        self.sidebar.present(
+            self.state, dict(self.refused), self.notices, words.provenance(self.state)
+        )
+        self.header.param.update(page=self.state.page, dark=self.state.dark)
+
+    def _turn_page(self) -> None:
+        for name, page in self.pages.items():
+            page.visible = name == self.state.page
+
+    def _choose_scheme(self) -> None:
+        self.root.styles = {"color-scheme": "dark" if self.state.dark else "light"}

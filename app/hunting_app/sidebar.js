@@ -1,0 +1,250 @@
+// The sidebar. The server owns the values; this file shows them and sends what the hand does.
+
+const FINE = 400; // positions of a slider
+const REST = 400; // ms without a move after which the hand is said to rest
+
+/** A channel with at most one message in flight; what waits is merged by key. */
+class Channel {
+  constructor(model) {
+    this.model = model;
+    this.number = model.answered;
+    this.waiting = new Map();
+    this.inFlight = false;
+    model.on("answered", () => { this.inFlight = false; this.flush(); });
+  }
+  send(key, act) {
+    this.waiting.set(key, act);
+    if (!this.inFlight) this.flush();
+    clearTimeout(this.resting);
+    if (key !== "rest") this.resting = setTimeout(() => this.send("rest", { rest: true }), REST);
+  }
+  flush() {
+    if (this.waiting.size === 0) return;
+    const acts = [...this.waiting.values()];
+    this.waiting.clear();
+    this.inFlight = true;
+    this.number += 1;
+    this.model.send_msg({ acts, number: this.number });
+  }
+  isPending(key) { return this.waiting.has(key); }
+}
+
+/** Usual notation, to seven digits: 86,700 and 1.5913e7. */
+export function written(value) {
+  const size = Math.abs(value);
+  const text = size !== 0 && (size < 1e-4 || size >= 1e6)
+    ? value.toExponential(6).replace(/\.?0+e/, "e").replace("e+", "e")
+    : value.toLocaleString("en-US", { maximumSignificantDigits: 7 });
+  return text.replaceAll("-", "−");
+}
+
+/** 1, 2 or 5 times a power of ten, at most `size`. */
+function niceBelow(size) {
+  const power = 10 ** Math.floor(Math.log10(size));
+  return [5, 2, 1].find((s) => s * power <= size) * power;
+}
+
+/** Where a value sits on a slider and back; logarithmic or linear. */
+class Scale {
+  constructor(row) {
+    this.log = row.log;
+    [this.low, this.high] = row.span;
+  }
+  /** Make room for a value beyond the usual range. */
+  widen(value) {
+    if (this.log) {
+      if (value > this.high) this.high = value;
+      if (value > 0 && value < this.low) this.low = value;
+    } else {
+      this.high = Math.max(this.high, value);
+      this.low = Math.min(this.low, value);
+    }
+  }
+  position(value) {
+    const t = this.log
+      ? Math.log(Math.max(value, this.low) / this.low) / Math.log(this.high / this.low)
+      : (value - this.low) / (this.high - this.low);
+    return FINE * t;
+  }
+  value(position) {
+    const t = position / FINE;
+    if (t >= 1) return this.high;
+    if (t <= 0) return this.low;
+    if (this.log) return Number((this.low * (this.high / this.low) ** t).toPrecision(3));
+    const step = niceBelow((this.high - this.low) / FINE);
+    const value = Math.round((this.low + (this.high - this.low) * t) / step) * step;
+    return Number(value.toPrecision(12));
+  }
+}
+
+function element(tag, attributes = {}, ...children) {
+  const made = document.createElement(tag);
+  for (const [name, value] of Object.entries(attributes)) {
+    if (name.startsWith("on")) made.addEventListener(name.slice(2), value);
+    else if (value === true) made.setAttribute(name, "");
+    else if (value !== false && value != null) made.setAttribute(name, value);
+  }
+  made.append(...children.filter((child) => child != null));
+  return made;
+}
+
+function symbol(row) {
+  return element("span", { class: "symbol" }, element("i", {}, row.symbol),
+    row.subscript ? element("sub", {}, row.subscript) : null);
+}
+
+/** One parameter: symbol, slider, box, unit, reset. */
+class Row {
+  constructor(row, channel, tip) {
+    this.row = row;
+    this.channel = channel;
+    this.scale = new Scale(row);
+    const id = `row-${row.name}`;
+    this.slider = element("input", {
+      type: "range", id, min: 0, max: FINE, step: 1, "aria-label": `${row.label} [${row.unit}]`,
+      "aria-describedby": `${id}-meaning`, "data-name": row.name,
+      oninput: () => this.slide(), onpointerdown: () => { this.held = true; },
+      onpointerup: () => { this.held = false; }, onblur: () => { this.held = false; },
+    });
+    this.box = element("input", {
+      type: "text", inputmode: "decimal", "aria-label": `${row.label}, value [${row.unit}]`,
+      "aria-describedby": `${id}-meaning ${id}-refusal`, autocomplete: "off", spellcheck: "false",
+      "data-name": row.name,
+      onchange: () => this.type(), onfocus: () => this.box.select(),
+      onkeydown: (event) => { if (event.key === "Escape") this.show(this.value, this.base, null); },
+    });
+    this.back = element("button", {
+      type: "button", class: "back", title: "put back to the preset's value",
+      "aria-label": `put ${row.label} back to the preset's value`,
+      onclick: () => channel.send(`set ${row.name}`, { reset: [row.name] }),
+    }, "↺");
+    this.refusal = element("p", { class: "refusal", id: `${id}-refusal`, role: "alert" });
+    this.node = element("div", {
+      class: "row", "data-row": row.name,
+      onpointerenter: () => tip.show(this.node, row), onpointerleave: () => tip.hide(),
+      onfocusin: (event) => { if (event.target.matches(":focus-visible")) tip.show(this.node, row); },
+      onfocusout: () => tip.hide(),
+    }, element("label", { for: id }, symbol(row)), this.slider, this.box,
+      element("span", { class: "unit" }, row.unit), this.back, this.refusal,
+      element("span", { class: "hidden", id: `${id}-meaning` }, row.meaning));
+  }
+  get key() { return `set ${this.row.name}`; }
+  slide() {
+    const value = this.scale.value(this.slider.valueAsNumber);
+    this.box.value = written(value);
+    this.describe(value);
+    this.channel.send(this.key, { set: this.row.name, to: value });
+  }
+  type() { this.channel.send(this.key, { set: this.row.name, to: this.box.value }); }
+  /** Show the server's value, unless the hand is already further. */
+  show(value, base, refused) {
+    if (this.channel.isPending(this.key)) return;
+    const typed = refused && this.box.value;
+    if (value !== this.value || refused || this.refusal.textContent) {
+      this.scale.widen(value);
+      if (!this.held) this.slider.value = this.scale.position(value);
+      this.box.value = typed || written(value);
+      this.describe(value);
+    }
+    this.value = value;
+    this.base = base;
+    this.node.classList.toggle("changed", value !== base);
+    this.node.classList.toggle("refused", Boolean(refused));
+    this.back.disabled = value === base;
+    this.box.setAttribute("aria-invalid", refused ? "true" : "false");
+    const words = refused ? `${refused}. Still ${written(value)} ${this.row.unit}.` : "";
+    if (this.refusal.textContent !== words) this.refusal.textContent = words;
+  }
+  describe(value) {
+    this.slider.style.setProperty("--at", `${100 * this.scale.position(value) / FINE}%`);
+    this.slider.setAttribute("aria-valuetext", `${written(value)} ${this.row.unit}`);
+  }
+}
+
+/** One bubble for the meaning of whichever row is pointed at. */
+class Tip {
+  constructor(box) {
+    this.box = box;
+    this.node = element("div", { class: "tip", "aria-hidden": "true" });
+  }
+  show(at, row) {
+    this.node.replaceChildren(element("b", {}, symbol(row), ` ${row.label}`), ` ${row.meaning}`);
+    this.node.classList.add("shown");
+    const top = at.getBoundingClientRect().bottom - this.box.getBoundingClientRect().top;
+    this.node.style.top = `${top + 2}px`;
+  }
+  hide() { this.node.classList.remove("shown"); }
+}
+
+function choice(name, legend, options, send) {
+  const inputs = new Map();
+  const node = element("fieldset", { class: "choice" }, element("legend", {}, legend));
+  for (const [key, label, note] of options) {
+    const input = element("input", { type: "radio", name, value: key, onchange: () => send(key) });
+    inputs.set(key, input);
+    node.append(element("label", { title: note }, input, element("span", {}, label)));
+  }
+  return { node, show: (key) => { inputs.get(key).checked = true; } };
+}
+
+export function render({ model }) {
+  const channel = new Channel(model);
+  const box = element("div", { class: "panel" });
+  const tip = new Tip(box);
+  const presets = choice("preset", "Preset", model.presets,
+    (key) => channel.send("preset", { preset: key }));
+  const vehicles = choice("vehicle", "Vehicle", model.vehicles.map((v) => [v, v]),
+    (key) => channel.send("vehicle", { vehicle: key }));
+  const notices = element("div", { class: "notices", role: "alert" });
+  const provenance = element("p", { class: "provenance" });
+  const resetAll = element("button", {
+    type: "button", class: "reset-all",
+    onclick: () => channel.send("reset", { reset: rows.map((r) => r.row.name).filter((n) => n !== "V") }),
+  }, "Put all back");
+
+  const rows = model.rows.map((row) => new Row(row, channel, tip));
+  const groups = new Map();
+  for (const row of rows) {
+    if (!groups.has(row.row.group)) groups.set(row.row.group, []);
+    groups.get(row.row.group).push(row);
+  }
+  const [speed, ...others] = [...groups].map(([name, members]) => name === "speed"
+    ? element("div", { class: "speed" }, ...members.map((r) => r.node))
+    : element("details", { open: true, class: "group" }, element("summary", {}, name),
+      ...members.map((r) => r.node)));
+  const wide = window.matchMedia("(min-width: 801px)");
+  const fold = element("details", { class: "fold", open: wide.matches },
+    element("summary", {}, "Parameters"), provenance, ...others, resetAll);
+  wide.addEventListener("change", () => { fold.open = wide.matches; });
+  box.append(notices, presets.node, vehicles.node, speed, fold, tip.node);
+
+  function show() {
+    for (const row of rows) {
+      const name = row.row.name;
+      row.show(model.values[name], model.base[name], model.refused[name]);
+    }
+    if (!channel.isPending("preset")) presets.show(model.preset);
+    if (!channel.isPending("vehicle")) vehicles.show(model.vehicle);
+    provenance.textContent = model.provenance;
+    resetAll.disabled = others.length && !rows.some((r) => r.row.name !== "V" && r.value !== r.base);
+  }
+  function notice() {
+    notices.replaceChildren(...model.notices.map((text) => element("p", {}, text)));
+    if (model.notices.length) {
+      notices.append(element("button", {
+        type: "button", onclick: () => channel.send("dismiss", { dismiss: true }),
+      }, "Dismiss"));
+    }
+  }
+  let planned = false; // several values arrive in one update: show them once
+  const plan = () => {
+    if (planned) return;
+    planned = true;
+    queueMicrotask(() => { planned = false; show(); });
+  };
+  for (const name of ["values", "base", "preset", "vehicle", "refused", "provenance"]) model.on(name, plan);
+  model.on("notices", notice);
+  show();
+  notice();
+  return box;
+}

@@ -1,0 +1,88 @@
+"""The sidebar: presets, vehicle, speed and a row for every parameter."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, ClassVar
+
+import param
+from panel.custom import JSComponent
+
+from hunting_app.state import FIELDS, PRESETS, SPEED, VEHICLES, State
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from hunting.parameters import Field
+
+_HERE = Path(__file__).parent
+
+
+class Sidebar(JSComponent):
+    """Native sliders, boxes and buttons, drawn in the browser.
+
+    The browser sends lists of acts and keeps at most one such message in flight: what happens
+    meanwhile is merged, so that only the newest value of a slider is ever computed.
+    """
+
+    rows = param.List(doc="What never changes of each row: symbol, unit, range, meaning.")
+    presets = param.List(doc="Key, label and note of each preset.")
+    vehicles = param.List(doc="The vehicles to choose from.")
+    values = param.Dict(default={}, doc="The value of each row.")
+    base = param.Dict(default={}, doc="The preset's value of each row.")
+    preset = param.String()
+    vehicle = param.String()
+    provenance = param.String(doc="Whose numbers these are.")
+    refused = param.Dict(default={}, doc="By row: why what was typed is not allowed.")
+    notices = param.List(doc="What was refused of a link.")
+    answered = param.Integer(doc="Number of the last message that was dealt with.")
+
+    _esm: ClassVar = _HERE / "sidebar.js"
+    _stylesheets: ClassVar = [(_HERE / "sidebar.css").read_text(encoding="utf-8")]
+
+    def __init__(self, act: Callable[[list[dict[str, Any]]], None], **params: Any) -> None:
+        super().__init__(
+            rows=[_row(field) for field in (SPEED, *FIELDS.values())],
+            presets=[[key, preset.label, preset.note] for key, preset in PRESETS.items()],
+            vehicles=list(VEHICLES),
+            sizing_mode="stretch_both",
+            margin=0,
+            **params,
+        )
+        self._act = act
+        self._number = 0
+
+    def _handle_msg(self, data: Any) -> None:
+        self._number = data["number"]
+        self._act(data["acts"])
+
+    def present(
+        self, state: State, refused: dict[str, str], notices: list[str], words: str
+    ) -> None:
+        """Show the state and what was refused, and let the browser send its next message."""
+        base = state.base()
+        self.param.update(
+            values=state.parameters.to_dict() | {SPEED.name: state.speed},
+            base=base.to_dict() | {SPEED.name: State.param.speed.default},
+            preset=state.preset,
+            vehicle=state.vehicle,
+            provenance=words,
+            refused=refused,
+            notices=notices,
+            answered=self._number,
+        )
+
+
+def _row(field: Field) -> dict[str, Any]:
+    symbol, _, subscript = field.symbol.partition("_")
+    return {
+        "name": field.name,
+        "symbol": symbol,
+        "subscript": subscript,
+        "unit": field.unit,
+        "label": field.label,
+        "meaning": field.description,
+        "group": field.group,
+        "span": list(field.span),
+        "log": field.log,
+    }

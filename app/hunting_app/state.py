@@ -1,0 +1,114 @@
+"""What the person has chosen; everything the page shows follows from it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import param
+
+from hunting import RECONSTRUCTED, TABLE_1, Parameters
+from hunting.parameters import Field
+from hunting_app.numerals import parsed
+
+
+@dataclass(frozen=True)
+class Preset:
+    """A named set of parameters to start from."""
+
+    label: str
+    parameters: Parameters
+    note: str
+
+
+PRESETS = {
+    "reconstructed": Preset(
+        "Reconstructed",
+        RECONSTRUCTED,
+        "Our reconstruction of the numbers behind the paper's Fig. 3, not the paper's own table.",
+    ),
+    "table1": Preset(
+        "Table 1 as printed",
+        TABLE_1,
+        "The paper's Table 1 as printed, with an assumed frame mass. It holds misprints: "
+        "with these numbers nothing hunts.",
+    ),
+}
+VEHICLES = {"bogie": ("bogie",), "wheelset": ("wheelset",), "both": ("bogie", "wheelset")}
+CURVES = ("damping", "locus")
+PAGES = {"explore": "Explore", "model": "Model"}
+
+FIELDS = {field.name: field for field in Parameters.fields()}
+SPEED = Field(
+    name="V",
+    symbol="V",
+    unit="km/h",
+    label="forward speed",
+    description="The speed at which the phase portraits are drawn; the cursor in the diagrams.",
+    group="speed",
+    span=(10.0, 300.0),
+)
+FASTEST = 1440.0  # km/h; the model looks for Hopf points up to 400 m/s
+
+
+class State(param.Parameterized):
+    """The person's choices. No widget, no plot: views watch it and draw."""
+
+    preset: str = param.Selector(
+        default="reconstructed", objects=list(PRESETS), doc="Where we started."
+    )
+    parameters = param.ClassSelector(class_=Parameters, default=RECONSTRUCTED, doc="SI values.")
+    vehicle: str = param.Selector(default="bogie", objects=list(VEHICLES), doc="What is drawn.")
+    speed = param.Number(default=145.0, bounds=(0, FASTEST), doc="Chosen forward speed [km/h].")
+    curve: str = param.Selector(
+        default="damping", objects=list(CURVES), doc="The stability plot shown."
+    )
+    page: str = param.Selector(default="explore", objects=list(PAGES), doc="The page shown.")
+    dark = param.Boolean(default=False, doc="Light on dark instead of dark on light.")
+
+    def base(self) -> Parameters:
+        """The parameters of the preset we started from."""
+        return PRESETS[self.preset].parameters
+
+    def changed(self) -> list[str]:
+        """Names of the parameters that differ from the preset."""
+        base = self.base()
+        return [n for n in FIELDS if getattr(self.parameters, n) != getattr(base, n)]
+
+
+def with_value(state: State, name: str, value: float | str) -> dict[str, Any]:
+    """Return the change of `state` that gives the parameter (or the speed ``"V"``) a value.
+
+    Raises
+    ------
+    ValueError, TypeError
+        If the text is no number or the value is not allowed, in words.
+    """
+    number = parsed(value) if isinstance(value, str) else value
+    if name == SPEED.name:
+        speed = float(SPEED.checked(number))
+        if speed > FASTEST:
+            raise ValueError(f"V must be at most {FASTEST:.0f} km/h, got {speed:g}")
+        return {"speed": speed}
+    return {"parameters": state.parameters.replace(**{name: number})}
+
+
+def with_preset(name: str) -> dict[str, Any]:
+    """Return the change of a state that starts again from a preset.
+
+    Raises
+    ------
+    ValueError
+        If there is no such preset.
+    """
+    if name not in PRESETS:
+        raise ValueError(f"preset must be one of {', '.join(PRESETS)}, got {name!r}")
+    return {"preset": name, "parameters": PRESETS[name].parameters}
+
+
+def with_reset(state: State, names: list[str]) -> dict[str, Any]:
+    """Return the change of `state` that gives parameters (or ``"V"``) their first values again."""
+    base = state.base()
+    known = {n: getattr(base, n) for n in names if n in FIELDS}
+    change: dict[str, Any] = {"parameters": state.parameters.replace(**known)}
+    return change | ({"speed": State.param.speed.default} if SPEED.name in names else {})
