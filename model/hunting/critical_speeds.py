@@ -39,15 +39,16 @@ class CriticalSpeeds:
         V_lin [m/s]: the speed at which the fastest unstable range of the centred motion begins.
         NaN if there is none.
     nonlinear : float or ndarray, shape (...)
-        V_nl [m/s]: the lowest speed on the branch of limit cycles that starts at V_lin, which is
-        a fold if the Hopf point is subcritical and V_lin itself if it is supercritical. NaN if
+        V_nl [m/s]: the lowest speed on the branch of limit cycles that starts at V_lin: a fold
+        below V_lin, or V_lin itself if no cycle is slower. NaN if
         there is no V_lin, or no fold within the model's range.
     amplitude : float or ndarray, shape (...)
         Peak lateral displacement of the limit cycle at V_nl [m].
     frequency : float or ndarray, shape (...)
         Angular frequency at V_lin [rad/s].
     criticality : str or ndarray of str, shape (...)
-        "subcritical", "supercritical", or "none" without V_lin.
+        "subcritical" if the branch sets out towards lower speeds, "supercritical" if towards
+        higher ones (it may still come back below V_lin later), or "none" without V_lin.
     windows : list of (float, float), or ndarray, shape (..., k, 2)
         Lower unstable ranges that open and close again below V_lin [m/s]; in a stack padded with
         NaN.
@@ -124,13 +125,15 @@ def critical_speeds(
     message = _messages(points, nonlinear, missed)
     nonlinear = np.where(nonlinear > 0, nonlinear, np.nan)
     amplitude = np.where(nonlinear > 0, amplitude, np.nan)
-    supercritical = np.where(nonlinear == linear, "supercritical", "subcritical")
+    # v|v| makes the branch leave the Hopf point linearly: its first slope tells, not a coefficient.
+    starts = averaged.branch_slope(1e-6 * np.asarray(system.clearance)[..., None])[..., 0]
+    kind = np.where(starts < 0, "subcritical", "supercritical")
     return _answer(
         linear=linear,
         nonlinear=nonlinear,
         amplitude=amplitude,
         frequency=averaged.frequency[..., 0],
-        criticality=np.where(np.isfinite(linear), supercritical, "none"),
+        criticality=np.where(np.isfinite(linear), kind, "none"),
         windows=_windows(points),
         message=message,
     )
