@@ -8,6 +8,8 @@ from __future__ import annotations
 
 from hunting.bogoliubov import Averaging, averaged_branch, averaging
 from hunting.branch import Branch, LimitCycle, Motion
+from hunting.cases import Cancelled
+from hunting.claims import Claim, claims
 from hunting.critical_speeds import CriticalSpeeds, critical_speeds
 from hunting.elements import DeadbandSpring, PolynomialDamper
 from hunting.limit_cycles import limit_cycles
@@ -15,6 +17,8 @@ from hunting.lure import Connection, LureSystem, State
 from hunting.parameters import RECONSTRUCTED, TABLE_1, Field, Parameters
 from hunting.simulation import Decay, SpeedRamp, Trajectory, decays, simulate, speed_ramp
 from hunting.stability import HopfPoints, damping_ratios, eigenvalues, hopf_points
+from hunting.study import Figure, figure
+from hunting.sweeps import Sweep, sweep
 from hunting.vehicles import bogie, wheelset
 
 __all__ = [
@@ -22,11 +26,14 @@ __all__ = [
     "TABLE_1",
     "Averaging",
     "Branch",
+    "Cancelled",
+    "Claim",
     "Connection",
     "CriticalSpeeds",
     "DeadbandSpring",
     "Decay",
     "Field",
+    "Figure",
     "HopfPoints",
     "LimitCycle",
     "LureSystem",
@@ -35,17 +42,21 @@ __all__ = [
     "PolynomialDamper",
     "SpeedRamp",
     "State",
+    "Sweep",
     "Trajectory",
     "averaged_branch",
     "averaging",
     "bogie",
+    "claims",
     "critical_speeds",
     "damping_ratios",
     "decays",
     "eigenvalues",
+    "figure",
     "hopf_points",
     "limit_cycles",
     "simulate",
     "speed_ramp",
+    "sweep",
     "wheelset",
 ]
