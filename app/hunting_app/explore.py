@@ -90,11 +90,16 @@ class Explore:
 
     def _write(self, shown: Picture) -> None:
         warned = "".join(f'<p class="warning">{escape(w)}</p>' for w in words.warnings(shown))
-        self.texts[
-            "bifurcation"
-        ].html = f"<h2>Bifurcation diagram</h2>{_said(words.diagram(shown))}{warned}{words.LEGEND}"
-        self.texts["portraits"].html = f"<h2>Phase portraits</h2>{_said(words.portraits(shown))}"
-        self.texts["stability"].html = _said(words.stability(shown))
+        said = {
+            "bifurcation": "<h2>Bifurcation diagram</h2>"
+            + _said(words.diagram(shown))
+            + warned
+            + words.legend(shown),
+            "portraits": "<h2>Phase portraits</h2>" + _said(words.portraits(shown)),
+            "stability": _said(words.stability(shown)),
+        }
+        for name, html in said.items():
+            self.texts[name].html = html
 
     def __panel__(self) -> pn.viewable.Viewable:
         """Answers on top, the diagram left, portraits right, stability below."""

@@ -69,5 +69,4 @@ def _change(state: State, name: str, text: str) -> dict[str, Any]:
         return {name: text}
     if name in FIELDS or name == SPEED.name:
         return with_value(state, name, text)
-    known = ", ".join(["preset", *FIELDS, SPEED.name, *_CHOICES])
-    raise ValueError(f"‘{name[:40]}’ means nothing here; a link may hold {known}")
+    raise ValueError(f"‘{name[:40]}’ in the link is no parameter and no setting")

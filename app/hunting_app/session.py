@@ -9,6 +9,8 @@ import panel as pn
 from hunting_app import link, words
 from hunting_app.explore import Explore, block
 from hunting_app.header import Header
+from hunting_app.html import Html
+from hunting_app.model_page import model_page
 from hunting_app.pace import send_at_once
 from hunting_app.picture import picture
 from hunting_app.sidebar import Sidebar
@@ -53,7 +55,7 @@ class Session:
         self.sidebar = Sidebar(self.act_all)
         self._show()
         self.explore = Explore(self.state, self.act)
-        self.pages = {"explore": block("page", self.sidebar, self.explore)}
+        self.pages = {"explore": block("page", self.sidebar, self.explore), "model": block("page")}
         self.root = block("root", self.header, *self.pages.values())
         self._turn_page()
         self._choose_scheme()
@@ -123,6 +125,8 @@ class Session:
         self.header.param.update(page=self.state.page, dark=self.state.dark)
 
     def _turn_page(self) -> None:
+        if self.state.page == "model" and not len(self.pages["model"]):
+            self.pages["model"].append(Html(html=model_page(), css_classes=["whole"]))
         for name, page in self.pages.items():
             page.visible = name == self.state.page
 

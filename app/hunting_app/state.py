@@ -54,16 +54,16 @@ FASTEST = 1440.0  # km/h; the model looks for Hopf points up to 400 m/s
 class State(param.Parameterized):
     """The person's choices. No widget, no plot: views watch it and draw."""
 
-    preset: str = param.Selector(
+    preset: Any = param.Selector(
         default="reconstructed", objects=list(PRESETS), doc="Where we started."
     )
     parameters = param.ClassSelector(class_=Parameters, default=RECONSTRUCTED, doc="SI values.")
-    vehicle: str = param.Selector(default="bogie", objects=list(VEHICLES), doc="What is drawn.")
+    vehicle: Any = param.Selector(default="bogie", objects=list(VEHICLES), doc="What is drawn.")
     speed = param.Number(default=145.0, bounds=(0, FASTEST), doc="Chosen forward speed [km/h].")
-    curve: str = param.Selector(
+    curve: Any = param.Selector(
         default="damping", objects=list(CURVES), doc="The stability plot shown."
     )
-    page: str = param.Selector(default="explore", objects=list(PAGES), doc="The page shown.")
+    page: Any = param.Selector(default="explore", objects=list(PAGES), doc="The page shown.")
     dark = param.Boolean(default=False, doc="Light on dark instead of dark on light.")
 
     def base(self) -> Parameters:

@@ -6,6 +6,7 @@ import math
 from html import escape
 from typing import TYPE_CHECKING
 
+from hunting.stability import damping_ratios
 from hunting_app.picture import KMH, MM
 from hunting_app.state import PRESETS, State
 
@@ -45,11 +46,19 @@ _KEY = (
     ('<i class="conditional"></i>', "conditional", "It depends on the disturbance."),
     ('<i class="hunting"></i>', "hunting", "Any disturbance grows."),
 )
-LEGEND = (
-    '<ul class="legend" aria-label="legend">'
-    + "".join(f'<li title="{note}">{mark} {label}</li>' for mark, label, note in _KEY)
-    + "</ul>"
-)
+
+
+def legend(shown: Picture) -> str:
+    """What the marks of the bifurcation diagram mean."""
+    entries = [*_KEY]
+    if len(shown.answers) > 1:
+        whose = next(iter(shown.answers))
+        entries = [
+            (mark, f"{label} ({whose})" if mark.startswith("<i") else label, note)
+            for mark, label, note in entries
+        ]
+    items = "".join(f'<li title="{note}">{mark} {label}</li>' for mark, label, note in entries)
+    return f'<ul class="legend" aria-label="legend">{items}</ul>'
 
 
 def answers(shown: Picture) -> str:
@@ -77,7 +86,8 @@ def _answer_row(one: Answers) -> str:
     kind = critical.criticality if critical.criticality != "none" else critical.message
     return (
         f'<section class="answers {one.vehicle}" aria-label="critical speeds of the {one.vehicle}">'
-        f'<h2><i></i>{one.vehicle}<span class="kind">{escape(str(kind))}</span></h2><dl>{cells}</dl>'
+        f'<h2><i></i>{one.vehicle}<span class="kind">{escape(str(kind))}</span></h2>'
+        f"<dl>{cells}</dl>"
         "</section>"
     )
 
@@ -158,8 +168,8 @@ def stability(shown: Picture) -> str:
     """The damping curves, read aloud."""
     parts = []
     for vehicle, moment in shown.moments.items():
-        s = max(moment.eigenvalues, key=lambda s: s.real)
-        ratio = -100 * s.real / abs(s)
+        ratios = damping_ratios(moment.eigenvalues)
+        s, ratio = moment.eigenvalues[ratios.argmin()], 100 * ratios.min()
         verb = "is damped by" if ratio >= 0 else "grows, with a damping ratio of"
         rate = f", at {abs(s.imag) / (2 * math.pi):.2f} Hz" if s.imag else ""
         parts.append(f"the {vehicle}'s least damped mode {verb} {ratio:.2f} %{rate}")

@@ -25,7 +25,7 @@ class Bifurcation(Plot):
         self.feed = feed
         super().__init__(
             "forward speed V [km/h]",
-            "amplitude of the limit cycle, peak |y| [mm]",
+            "amplitude, peak |y| [mm]",
             "bifurcation",
             "Bifurcation diagram: amplitude of the limit cycles over forward speed",
         )
@@ -124,7 +124,7 @@ def _fold(answers: Answers | None) -> Columns:
     if answers is None or answers.branch.fold is None:
         return {"V": [], "a": []}
     speed, amplitude = answers.branch.fold
-    return {"V": [KMH * speed], "a": [MM * amplitude]}
+    return {"V": [KMH * float(speed)], "a": [MM * float(amplitude)]}
 
 
 def _zones(answers: Answers, end: float) -> list[tuple[str, float, float]]:

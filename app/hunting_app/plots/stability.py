@@ -75,7 +75,7 @@ class Locus(Plot):
         self.feed = feed
         super().__init__(
             "growth rate Re s [1/s]",
-            "frequency Im s / 2π [Hz]",
+            "Im s / 2π [Hz]",
             "locus",
             "Root locus: eigenvalues of the centred motion as the speed rises",
         )

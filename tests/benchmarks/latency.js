@@ -1,0 +1,87 @@
+// Watches when canvases are painted, and moves sliders. Added to every page before it loads.
+window.painted = { last: 0, canvases: new Map() };
+for (const name of ["stroke", "fill", "drawImage", "fillRect", "clearRect"]) {
+  const original = CanvasRenderingContext2D.prototype[name];
+  CanvasRenderingContext2D.prototype[name] = function (...args) {
+    window.painted.last = performance.now();
+    window.painted.canvases.set(this.canvas, window.painted.last);
+    return original.apply(this, args);
+  };
+}
+
+function* elements(root, selector) {
+  for (const node of root.querySelectorAll("*")) {
+    if (node.matches(selector)) yield node;
+    if (node.shadowRoot) yield* elements(node.shadowRoot, selector);
+  }
+}
+
+window.prepare = (kind, plots) => {
+  const models = [...Bokeh.documents[0]._all_models.values()];
+  if (kind === "ours") {
+    const sidebar = models.find((model) => model.class_name === "Sidebar");
+    const inputs = [...elements(document, "input[type=range]")];
+    window.arrivals = 0;
+    window.move = (name, position) => {
+      const input = inputs.find((node) => node.dataset.name === name);
+      input.value = position;
+      input.dispatchEvent(new Event("input"));
+    };
+    sidebar.data.properties.answered.change.connect(() => { window.arrivals += 1; });
+    window.sliders = inputs.length;
+    window.current = () => sidebar.data.values;
+    return;
+  }
+  const sources = models.filter((model) => model.type === "ColumnDataSource");
+  const sliders = models.filter((model) => model.type === "Slider");
+  const counts = sources.map(() => 0);
+  sources.forEach((source, i) => source.properties.data.change.connect(() => {
+    counts[i] += 1;
+    window.arrivals = Math.min(...counts);
+  }));
+  window.arrivals = 0;
+  window.move = (name, position) => { sliders[3].value = position / 100; };
+  window.sliders = sliders.length;
+};
+
+/** Move a slider; resolve with the ms until the last canvas of the new picture is painted. */
+window.timedMove = (name, position, plots, quiet = 50, timeout = 10000) => new Promise((resolve, reject) => {
+  const { painted } = window;
+  const before = window.arrivals;
+  const start = performance.now();
+  window.move(name, position);
+  const look = () => {
+    const now = performance.now();
+    const fresh = [...painted.canvases.values()].filter((at) => at > start).length;
+    if (window.arrivals > before && fresh >= plots && now - painted.last > quiet) {
+      resolve(painted.last - start);
+    } else if (now - start > timeout) {
+      reject(new Error(`after ${timeout} ms: arrived ${window.arrivals - before}, painted ${fresh}`));
+    } else requestAnimationFrame(look);
+  };
+  requestAnimationFrame(look);
+});
+
+/** Drag for two seconds at 60 events a second; resolve with the ms from the last event to quiet. */
+window.drag = (name, from, to, events = 120, gap = 1000 / 60, quiet = 250) => new Promise((resolve) => {
+  const { painted } = window;
+  const start = performance.now();
+  let sent = 0;
+  let last = 0;
+  const send = () => {
+    const due = Math.min(events, Math.floor((performance.now() - start) / gap));
+    if (sent < due) {
+      sent = due;
+      window.move(name, from + ((to - from) * sent) / events);
+      last = performance.now();
+    }
+    if (sent < events) { setTimeout(send, gap / 2); return; }
+    const look = () => {
+      const now = performance.now();
+      if (now - Math.max(painted.last, last) > quiet) resolve(painted.last - last);
+      else requestAnimationFrame(look);
+    };
+    requestAnimationFrame(look);
+  };
+  send();
+});
