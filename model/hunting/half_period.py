@@ -105,17 +105,13 @@ def _crossings(U: Phasor, orders: Array, kinks: list[Coefficient | None]) -> Arr
     u = np.swapaxes(U[..., port], -1, -2) @ waves
     u = u.real - levels[..., None]
     motion, at, left = np.nonzero(np.signbit(u[..., :-1]) != np.signbit(u[..., 1:]))
-    u_left, u_right = u[motion, at, left], u[motion, at, left + 1]
-    low, high = theta[left], theta[left + 1]
-    root = low + (high - low) * u_left / (u_left - u_right)
-    root = _polished(
-        root,
-        low,
-        high,
-        np.signbit(u_left),
+    root = _roots(
         U[motion, :, np.take(port, at)],
         orders,
         levels[motion, at],
+        theta[left],
+        u[motion, at, left],
+        u[motion, at, left + 1],
     )
     count = np.bincount(motion, minlength=len(u))
     place = np.arange(len(motion)) - (np.cumsum(count) - count)[motion]
@@ -130,18 +126,23 @@ def _samples(orders: tuple[int, ...]) -> tuple[Array, Phasor]:
     return theta, np.exp(1j * np.outer(orders, theta))
 
 
-def _polished(
-    root: Array, low: Array, high: Array, negative: Array, U: Phasor, orders: Array, level: Array
+def _roots(
+    U: Phasor, orders: Array, level: Array, left: Array, u_left: Array, u_right: Array
 ) -> Array:
-    """Return the roots of sum Re(U_k exp(i k theta)) = level by Newton's method in its bracket."""
-    for _ in range(3):
-        wave = U * np.exp(1j * root[:, None] * orders)
-        value = wave.real.sum(axis=-1) - level
-        slope = -(wave.imag @ orders)
-        before = np.signbit(value) == negative
-        low, high = np.where(before, root, low), np.where(before, high, root)
-        with np.errstate(divide="ignore", invalid="ignore"):
-            newton = root - value / slope
-        inside = (newton > low) & (newton < high)
-        root = np.where(inside, newton, np.where(value == 0, root, (low + high) / 2))
+    """Return the roots of u = sum Re(U_k exp(i k theta)) - level, one sample beyond `left`.
+
+    A parabola through both samples, with the slope at the left one, is near enough even where
+    contact has only begun and u all but touches zero; Newton's method does the rest.
+    """
+    width = np.pi / (_SAMPLES - 1)
+    slope = -((U * np.exp(1j * left[:, None] * orders)).imag @ orders)
+    b = slope * width
+    a = u_right - u_left - b
+    disc = np.sqrt(np.maximum(b * b - 4 * a * u_left, 0.0))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        root = left + width * 2 * np.abs(u_left) / (disc - np.copysign(b, u_left * b))
+        for _ in range(2):
+            wave = U * np.exp(1j * root[:, None] * orders)
+            root = root + (wave.real.sum(axis=-1) - level) / (wave.imag @ orders)
+            root = np.fmax(np.fmin(root, left + width), left)
     return root
