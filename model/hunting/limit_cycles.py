@@ -16,10 +16,10 @@ from scipy.interpolate import CubicSpline
 
 from hunting.bogoliubov import NO_HOPF_POINT, REACH, Averaging, averaging, checked_amplitudes
 from hunting.branch import Branch
-from hunting.continuation import continued
+from hunting.continuation import STUCK, continued
 from hunting.elements import Array
 from hunting.floquet import half_multipliers
-from hunting.folds import FREE, turning_amplitude
+from hunting.folds import FREE, closed_in
 from hunting.harmonic_balance import (
     Balance,
     Cycles,
@@ -34,9 +34,11 @@ from hunting.ports import Ports, orders_up_to
 from hunting.stability import HopfPoints
 
 HARMONICS = 15
+MORE_HARMONICS = (HARMONICS, 2 * HARMONICS + 1, 4 * HARMONICS + 3)
 _POINTS = 62  # of the default branch, folds not counted
 _FREE = np.array([0.25, 0.5, 0.75, 0.9, FREE])  # amplitudes found first, over the clearance
 _TOUCHING = 8  # and as many beyond it
+_ATTEMPTS = 3  # to find the rest from what was found
 _CRUDE = 0.03  # relative Newton step that the first cycles may end with
 _ROUGH = 1e-3  # relative Newton step, squared by the next one, that guesses and turns may end with
 
@@ -44,7 +46,7 @@ _ROUGH = 1e-3  # relative Newton step, squared by the next one, that guesses and
 def limit_cycles(
     system: LureSystem,
     amplitudes: ArrayLike | None = None,
-    harmonics: int = HARMONICS,
+    harmonics: int | None = None,
     hopf: int | None = None,
     points: HopfPoints | None = None,
 ) -> Branch:
@@ -58,8 +60,9 @@ def limit_cycles(
         Peak lateral displacements of the wheelset [m], rising. By default the whole branch: from
         the Hopf point to its end - a second fold at strong contact, another Hopf point, or 1.2
         delta - denser around contact.
-    harmonics : int, default 15
-        The highest harmonic solved for. As many again follow from the forces.
+    harmonics : int, optional
+        The highest harmonic solved for. As many again follow from the forces. By default 15, and
+        31 or 63 where some cycles of the branch cannot do with less.
     hopf : int, optional
         Index of the Hopf point the branch starts at; by default the hunting one, where the fastest
         unstable range begins.
@@ -87,67 +90,107 @@ def limit_cycles(
     >>> round(3.6 * speed, 2), round(1e3 * amplitude, 2)  # km/h, mm
     (138.87, 9.23)
     """
-    if harmonics < 1 or harmonics % 2 != 1:
+    if harmonics is not None and (harmonics < 1 or harmonics % 2 != 1):
         raise ValueError(f"harmonics must be an odd number >= 1, got {harmonics!r}")
     Y = None if amplitudes is None else checked_amplitudes(amplitudes)
     averaged = averaging(system, points, hopf)
     if np.isnan(averaged.speed[0]):
         return _none(system)
-    return _branch(system, averaged, Y, int(harmonics))
+    return _branch(system, averaged, Y, MORE_HARMONICS if harmonics is None else (int(harmonics),))
 
 
-def _branch(system: LureSystem, averaged: Averaging, Y: Array | None, harmonics: int) -> Branch:
+def _branch(
+    system: LureSystem, averaged: Averaging, Y: Array | None, harmonics: tuple[int, ...]
+) -> Branch:
+    """Return the branch with the first of these numbers of harmonics that misses no cycle."""
     delta = float(system.clearance)
-    balance = Balance(
-        Ports.of(system), averaged.right[0], averaged.left[0], orders_up_to(harmonics)
-    )
     wanted = _default_amplitudes() * delta if Y is None else Y[Y > 0]
-    first = _first_cycles(balance, averaged, delta, wanted.max(initial=0.0))
-    guess = _between(balance, averaged, first, delta, wanted)
-    tried = solve(balance, guess, at_amplitude(wanted), tolerance=_ROUGH)
-    found, note = tried[tried.converged], ""
-    if Y is None:
-        found = _in_order(found.joined(_turns(balance, found, delta)))
-        found, note = _to_its_end(balance, found, averaged, delta)
-    elif not tried.converged.all():
-        note = f"{(~tried.converged).sum()} of {len(tried)} cycles were not found"
-    if not first.converged.all() or len(first) < len(_FREE) + _TOUCHING or len(found) > len(tried):
-        found = polished(balance, found)
-        if not found.converged.all():
-            note = f"{(~found.converged).sum()} cycles need more than {harmonics} harmonics"
-            found = found[found.converged]
+    known = None
+    for highest in harmonics:
+        orders = orders_up_to(highest)
+        balance = Balance(Ports.of(system), averaged.right[0], averaged.left[0], orders)
+        if known is None:
+            first = _first_cycles(balance, averaged, delta, wanted.max(initial=0.0))
+            known = first[first.converged]
+        else:
+            known = _kept(polished(balance, _solved(balance, known.cycles), trust=_CRUDE))
+        trusted = Y is None and len(known) >= len(_FREE) + _TOUCHING
+        known = _at(balance, averaged, known, delta, wanted)
+        if not trusted:
+            known = _kept(polished(balance, known))
+        found, note = known, ""
+        if Y is None:
+            found, note = _to_its_end(balance, known, averaged, delta)
+        lost = _missing(wanted[wanted <= found.cycles.Y.max(initial=0.0)], found)
+        if Y is not None:
+            lost = len(wanted) - len(found)
+        if lost:
+            note = "; ".join(filter(None, [note, f"{lost} cycles were not found"]))
+        if not lost and not note.endswith(STUCK):
+            break
     return _as_branch(balance, averaged, found, note)
 
 
-def _turns(balance: Balance, found: Solution, delta: float) -> Solution:
-    """Return the cycles at the folds between those found."""
-    cycles = found.cycles
-    slope = found.V_slope
-    left = np.flatnonzero(np.signbit(slope[:-1]) != np.signbit(slope[1:]))
-    ends = np.array([left, left + 1])
-    Y = turning_amplitude(cycles.Y[ends], cycles.V[ends], slope[ends], np.asarray(delta))
-    share = (Y - cycles.Y[left]) / (cycles.Y[left + 1] - cycles.Y[left])
-    guess = cycles[left].towards(cycles[left + 1], share)
-    turns = solve(balance, replace(guess, Y=Y), at_amplitude(Y), tolerance=_ROUGH)
-    return turns[turns.converged]
+def _missing(wanted: Array, found: Solution) -> int:
+    return len(wanted) - int(np.isclose(wanted[:, None], found.cycles.Y, rtol=1e-9).any(-1).sum())
 
 
-def _in_order(found: Solution) -> Solution:
-    return found[np.argsort(found.cycles.Y, kind="stable")]
+def _kept(found: Solution) -> Solution:
+    return found[found.converged]
+
+
+def _solved(balance: Balance, guess: Cycles, tolerance: float = _ROUGH) -> Solution:
+    return _kept(solve(balance, guess, at_amplitude(guess.Y), tolerance))
+
+
+def _at(
+    balance: Balance, averaged: Averaging, known: Solution, delta: float, Y: Array
+) -> Solution:
+    """Return the cycles of amplitudes Y from those known; what is found helps to find the rest."""
+    found = _solved(balance, _between(balance, averaged, known, delta, Y))
+    for _ in range(_ATTEMPTS):
+        rest = Y[~np.isin(Y, found.cycles.Y)]
+        if len(rest) == 0 or len(found) == 0:
+            break
+        more = _solved(balance, _between(balance, averaged, found, delta, rest))
+        if len(more) == 0:
+            break
+        found = found.joined(more)
+        found = found[np.argsort(found.cycles.Y, kind="stable")]
+    return found
+
+
+def _with_turns(balance: Balance, found: Solution, delta: float) -> Solution:
+    """Return the cycles with those at the folds between them, whose slope is zero."""
+    slope, forth = found.V_slope / found.Y_slope, found.Y_slope > 0
+    turns = (slope[:-1] > 0) != (slope[1:] > 0)
+    left = np.flatnonzero(turns & (forth[:-1] == forth[1:]))
+    below = left + ~forth[left]
+    above = left + forth[left]
+    found = replace(found, V_slope=slope, line=at_amplitude(found.cycles.Y))
+    folds = closed_in(balance, found[below], found[above], np.full(len(left), delta))
+    folds = polished(balance, folds)
+    folds = replace(folds, V_slope=np.zeros(len(left)))
+    place = np.concatenate([np.arange(len(found)), left[folds.converged] + 0.5])
+    return found.joined(folds[folds.converged])[np.argsort(place)]
 
 
 def _to_its_end(
     balance: Balance, found: Solution, averaged: Averaging, delta: float
 ) -> tuple[Solution, str]:
     """Return the branch cut at its second fold, or completed where its amplitude turns back."""
+    if len(found) < 2:
+        return found, "no limit cycle was found"
+    found = _with_turns(balance, found, delta)
     Y, V = found.cycles.Y, found.cycles.V
-    peak = (Y[1:-1] > delta) & (V[1:-1] > V[:-2]) & (V[1:-1] > V[2:])
+    peak = (found.V_slope[1:-1] == 0) & (Y[1:-1] > delta) & (V[1:-1] > V[:-2])
     if peak.any():
         last = int(np.argmax(peak)) + 1
         return found[: last + 1], "the branch ends at a second fold, beyond which motions run away"
-    if len(found) < 2 or Y[-1] > 0.999 * REACH * delta:
-        return found, "" if len(found) > 1 else "no limit cycle was found"
-    return continued(balance, found, averaged, REACH * delta)
+    if Y[-1] > 0.999 * REACH * delta:
+        return found, ""
+    found, note = continued(balance, found[found.V_slope != 0], averaged, REACH * delta)
+    return _with_turns(balance, _kept(polished(balance, found)), delta), note
 
 
 def _as_branch(balance: Balance, averaged: Averaging, found: Solution, note: str) -> Branch:
@@ -158,9 +201,9 @@ def _as_branch(balance: Balance, averaged: Averaging, found: Solution, note: str
     V_c, omega_c = averaged.speed, averaged.frequency
     at_hopf = np.exp(2 * np.pi / omega_c * np.linalg.eigvals(system.matrix(V_c)[0]))
     stable: Array = np.all(np.abs(half[:, 1:]) < 1, axis=-1)
-    lowest = int(np.argmin(cycles.V)) if len(found) else 0
+    lowest = int(np.argmin(cycles.V)) if len(found) else -1
     fold = None
-    if 0 < lowest < len(found) - 1 and cycles.V[lowest] < V_c[0]:
+    if lowest >= 0 and found.V_slope[lowest] == 0 and cycles.V[lowest] < V_c[0]:
         fold = (float(cycles.V[lowest]), float(cycles.Y[lowest]))
     return Branch(
         amplitude=np.append(0.0, cycles.Y),
@@ -210,7 +253,7 @@ def _between(
 ) -> Cycles:
     """Return guesses at the amplitudes Y by splines, one on each side of the clearance."""
     h, (n, q) = len(balance.orders), balance.ports.B.shape[-2:]
-    cycles = first.cycles[first.converged]
+    cycles = first.cycles
     rows = np.column_stack(
         [
             cycles.U.reshape(len(cycles), h * q),
@@ -244,7 +287,8 @@ def _between(
 def _spline(x: Array, rows: Array, at: Array, otherwise: Array | None = None) -> Array:
     if len(x) < 3:
         return np.repeat((rows[-1] if otherwise is None else otherwise)[None], len(at), axis=0)
-    return _spline_weights(x.tobytes(), np.minimum(at, x[-1]).tobytes()) @ rows
+    x, first = np.unique(x, return_index=True)
+    return _spline_weights(x.tobytes(), np.minimum(at, x[-1]).tobytes()) @ rows[first]
 
 
 @lru_cache(maxsize=32)
