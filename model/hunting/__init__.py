@@ -15,6 +15,7 @@ from hunting.elements import DeadbandSpring, PolynomialDamper
 from hunting.limit_cycles import limit_cycles
 from hunting.lure import Connection, LureSystem, State
 from hunting.parameters import RECONSTRUCTED, TABLE_1, Field, Parameters
+from hunting.sensitivity import Sensitivity, sensitivity
 from hunting.simulation import Decay, SpeedRamp, Trajectory, decays, simulate, speed_ramp
 from hunting.stability import HopfPoints, damping_ratios, eigenvalues, hopf_points
 from hunting.study import Figure, figure
@@ -40,6 +41,7 @@ __all__ = [
     "Motion",
     "Parameters",
     "PolynomialDamper",
+    "Sensitivity",
     "SpeedRamp",
     "State",
     "Sweep",
@@ -55,6 +57,7 @@ __all__ = [
     "figure",
     "hopf_points",
     "limit_cycles",
+    "sensitivity",
     "simulate",
     "speed_ramp",
     "sweep",
