@@ -33,7 +33,9 @@ GRID = np.concatenate([[0.0], GAUSS, [1.0]])  # where a step is looked at
 _POWERS = np.linalg.inv(np.vander(GAUSS, increasing=True))  # from values w_j to coefficients
 _LEGENDRE = np.polynomial.legendre.legvander(2 * GAUSS - 1, STAGES - 1)
 _FACTORIALS = np.array([float(factorial(k)) for k in range(STAGES)])
-_TAYLOR = 18  # terms that give phi to rounding for |z| < 2
+_SMALL, _TAYLOR = 1.5, 22  # below |z| = 1.5 so many terms give phi to rounding
+_INVERSE_FACTORIALS = np.array([1 / factorial(i) for i in range(2 * _TAYLOR)])
+_NEAR_REST = 1e-6  # an input that counts as small, in its SI unit
 _DEFECTIVE = 1e8  # condition of the eigenvectors beyond which they are no basis
 
 
@@ -60,19 +62,16 @@ def phi_functions(z: Phasor, order: int) -> Phasor:
     """
     z = np.asarray(z, dtype=complex)
     phi = np.empty((order + 1, *z.shape), dtype=complex)
-    small = np.abs(z) < 2
-    divisor = np.where(small, 2.0, z)
+    small = np.abs(z) < _SMALL
+    divisor = np.where(small, 1.0, z)
     phi[0] = np.exp(z)
-    for k in range(order):
+    for k in range(order):  # loses digits where z is small
         phi[k + 1] = (phi[k] - 1 / factorial(k)) / divisor
-    near = z[small]
-    value = np.zeros_like(near)
-    for i in reversed(range(_TAYLOR)):
-        value = value * near + 1 / factorial(order + i)
-    phi[order, small] = value
-    for k in reversed(range(order)):
-        value = value * near + 1 / factorial(k)
-        phi[k, small] = value
+    powers = np.empty((_TAYLOR, np.count_nonzero(small)), dtype=complex)
+    powers[0], powers[1:] = 1.0, z[small]
+    np.multiply.accumulate(powers, out=powers)
+    i = np.arange(order + 1)[:, None] + np.arange(_TAYLOR)
+    phi[:, small] = _INVERSE_FACTORIALS[i] @ powers
     return phi
 
 
@@ -87,26 +86,30 @@ class SortedPorts:
 
     Attributes
     ----------
-    smooth : tuple of Connection
-        With room for an axis of stages.
     C, B : ndarray, shape (M, p, n) and (M, n, p)
         What the smooth elements see and where they push, for each of M cases.
     contact_C, contact_B : ndarray, shape (M, c, n) and (M, n, c)
         The same of the contacts.
-    kink : ndarray, shape (M, c)
-        Size of the input at which a contact closes.
+    watched : ndarray, shape (M, c + p, n)
+        C of the contacts, then of the smooth elements.
+    kink : ndarray, shape (M, c + p)
+        Size of the input at which the law of a port has a kink: where a contact closes; 0 for a
+        smooth element whose curvature jumps at rest, infinity for one that is smooth there too.
+    bend : ndarray, shape (M, p)
+        That jump, halved: the smooth elements' curvature just above zero input.
     stiffness : ndarray, shape (M, 2, c)
         Slope of the law of an open and of a closed contact.
     preload : ndarray, shape (M, c)
         Force of a closed contact extended to zero input.
     """
 
-    smooth: tuple[Connection, ...]
     C: Array
     B: Array
     contact_C: Array
     contact_B: Array
+    watched: Array
     kink: Array
+    bend: Array
     stiffness: Array
     preload: Array
 
@@ -122,7 +125,7 @@ class SortedPorts:
 
         smooth = [link for link in system.elements if link.element.kink is None]
         contacts = [link for link in system.elements if link.element.kink is not None]
-        kinks, slopes, preloads = [], [], []
+        kinks, bends, slopes, preloads = [], [], [], []
         for link in contacts:
             kink = np.asarray(link.element.kink)[..., None] * np.ones(link.C.shape[-2])
             beyond = 2 * kink
@@ -130,30 +133,71 @@ class SortedPorts:
             kinks.append(kink)
             slopes.append(np.stack([link.element.slope(0 * kink), slope], axis=-2))
             preloads.append(link.element.nonlinear(beyond) - slope * beyond)
+        for link in smooth:
+            bend = _curvature_at_rest(link)
+            bends.append(bend)
+            kinks.append(np.where(bend == 0, np.inf, 0.0))
         return cls(
-            smooth=tuple(link.with_axes(1) for link in smooth),
             C=cases([link.C for link in smooth], -2, (0, n)),
             B=cases([link.B for link in smooth], -1, (n, 0)),
             contact_C=cases([link.C for link in contacts], -2, (0, n)),
             contact_B=cases([link.B for link in contacts], -1, (n, 0)),
+            watched=cases([link.C for link in contacts + smooth], -2, (0, n)),
             kink=cases(kinks, -1, (0,)),
+            bend=cases(bends, -1, (0,)),
             stiffness=cases(slopes, -1, (2, 0)),
             preload=cases(preloads, -1, (0,)),
         )
 
-    def forces(self, u: Array) -> tuple[Array, Array]:
-        """Return forces and slopes of the smooth elements at inputs u (..., STAGES, p)."""
-        if len(self.smooth) == 1:
-            element = self.smooth[0].element
-            return element.nonlinear(u), element.slope(u)
-        force, slope = np.empty_like(u), np.empty_like(u)
-        start = 0
-        for link in self.smooth:
-            port = slice(start, start + link.C.shape[-2])
-            force[..., port] = link.element.nonlinear(u[..., port])
-            slope[..., port] = link.element.slope(u[..., port])
-            start = port.stop
-        return force, slope
+
+def smooth_elements(system: LureSystem, member: Array) -> tuple[Connection, ...]:
+    """Return the smooth elements for motions of the members (N,) of a stack of systems.
+
+    They take inputs of shape (N, STAGES, ports).
+    """
+    each = system.take(member) if system.shape else system
+    return tuple(link.with_axes(1) for link in each.elements if link.element.kink is None)
+
+
+def _curvature_at_rest(link: Connection) -> Array:
+    """Return the second derivative of a smooth element's force just above zero input."""
+    u = np.full(link.C.shape[-2], _NEAR_REST)
+    near, twice = link.element.slope(u) / u, link.element.slope(2 * u) / (2 * u)
+    curvature = 2 * near - twice
+    return np.where(np.abs(curvature) > 1e-6 * np.abs(near), curvature, 0.0)
+
+
+def forces(
+    smooth: tuple[Connection, ...], u: Array, half: Array, bend: Array
+) -> tuple[Array, Array]:
+    """Return forces and slopes of the smooth elements, each by one half of its law.
+
+    A law such as v|v| is odd, and its curvature jumps at rest. What jumps, bend u|u|/2, is
+    replaced by half bend u^2/2, the law of u > 0 or u < 0 continued to the other side.
+
+    Parameters
+    ----------
+    smooth : tuple of Connection
+        The elements.
+    u : ndarray, shape (N, STAGES, p)
+        Their inputs.
+    half, bend : ndarray, shape (N, p)
+        1 or -1, and the curvature just above rest.
+
+    Returns
+    -------
+    force, slope : ndarray, shape (N, STAGES, p)
+    """
+    half, bend = half[:, None], bend[:, None]
+    off = half * u - np.abs(u)  # zero on the right side
+    force, slope = 0.5 * bend * u * off, bend * off
+    start = 0
+    for link in smooth:
+        port = slice(start, start + link.C.shape[-2])
+        force[..., port] += link.element.nonlinear(u[..., port])
+        slope[..., port] += link.element.slope(u[..., port])
+        start = port.stop
+    return force, slope
 
 
 @dataclass(frozen=True)
@@ -195,7 +239,7 @@ class Modes:
 def states_in_step(
     packed: Phasor, H: Array, x: Array, f: Array, w: Array, t: Array
 ) -> tuple[Array, Array]:
-    """Return states within steps, and their rates at the last instant asked for.
+    """Return states within steps, and their rates.
 
     Parameters
     ----------
@@ -205,29 +249,25 @@ def states_in_step(
         Lengths of the steps [s].
     x, f, w : ndarray, shape (s, n), (s, c) and (s, STAGES, p)
         States at the start, preloads, and forces of the smooth elements at the stages.
-    t : ndarray, shape (s, T)
-        Instants [s] from the start of the step.
+    t : ndarray, shape (s,)
+        Instants [s] from the start of each step.
 
     Returns
     -------
-    states : ndarray, shape (s, T, n)
-    rates : ndarray, shape (s, n)
+    states, rates : ndarray, shape (s, n)
     """
     n, p = x.shape[-1], w.shape[-1]
     lam, R = packed[..., 0], np.swapaxes(packed[..., 1 : 1 + n], -1, -2)
     L, B, contact_B = np.split(packed[..., 1 + n :], [n, n + p], axis=-1)
     force = B @ np.swapaxes(_POWERS @ w, -1, -2)  # powers of theta
     force[..., 0] += (contact_B @ f[..., None])[..., 0]
-    phi = phi_functions(lam[..., None] * t[:, None], STAGES)
-    theta = t / H[:, None]
-    zeta = phi[0] * (L @ x[..., None])
-    power = t.copy()
-    for k in range(STAGES):
-        zeta += force[..., k, None] * phi[k + 1] * power[:, None]
-        power *= (k + 1) * theta
-    pushed = (force * theta[:, -1:, None] ** np.arange(STAGES)).sum(axis=-1)
-    rates = (R @ (lam * zeta[..., -1] + pushed)[..., None]).real[..., 0]
-    return np.swapaxes((R @ zeta).real, -1, -2), rates
+    phi = phi_functions(lam * t[:, None], STAGES)
+    powers = (t / H)[:, None, None] ** np.arange(STAGES)
+    pushed = np.moveaxis(phi[1:], 0, -1) * force * powers * _FACTORIALS
+    zeta = phi[0] * (L @ x[..., None])[..., 0] + t[:, None] * pushed.sum(axis=-1)
+    rates = lam * zeta + (force * powers).sum(axis=-1)
+    both = (R @ np.stack([zeta, rates], axis=-1)).real
+    return both[..., 0], both[..., 1]
 
 
 def step_map(modes: Modes, ports: SortedPorts, H: float, theta: Array) -> Array:
@@ -272,10 +312,9 @@ class Operators:
     kernel : ndarray, shape (M, STAGES * p, STAGES * p)
         From w to the same.
     view : ndarray, shape (M, rows, n + c + STAGES * p)
-        To the state at the end (n rows); what the contacts and the output see on GRID, and its
-        rates (c + 1 times GRID each); the parts of the inputs (2 p rows) that stem from the last
-        and the last but one Legendre coefficient of w, the error estimate. (One alone may vanish
-        by the symmetry of a step about a kink of the damper at rest.)
+        To the state at the end (n rows); what contacts, smooth elements and the output see on
+        GRID, and its rates (c + p + 1 times GRID each); the parts of the inputs (2 p rows) that
+        stem from the last and the last but one Legendre coefficient of w, the error estimate.
     """
 
     free: Array
@@ -286,7 +325,7 @@ class Operators:
     def of(cls, modes: Modes, ports: SortedPorts, output: Array, H: float) -> Self:
         """Return the operators of steps of H seconds."""
         M, n, _ = modes.A.shape
-        p, c = ports.C.shape[-2], ports.kink.shape[-1]
+        p, c = ports.C.shape[-2], ports.contact_C.shape[-2]
         X = step_map(modes, ports, H, GRID)
         columns = X.shape[-1]
         stages = (ports.C[:, None] @ X[:, 1:-1]).reshape(M, -1, columns)
@@ -297,7 +336,7 @@ class Operators:
         w = np.zeros((len(GRID), p, columns))
         w[..., n + c :] = np.kron(lagrange(GRID), np.eye(p)).reshape(len(GRID), p, -1)
         rates = modes.A[:, None] @ X + ports.B[:, None] @ w + (ports.contact_B @ f)[:, None]
-        seen = np.concatenate([ports.contact_C, np.broadcast_to(output, (M, 1, n))], axis=1)
+        seen = np.concatenate([ports.watched, np.broadcast_to(output, (M, 1, n))], axis=1)
 
         response = kernel.reshape(M, STAGES, p, STAGES, p)
         last = np.einsum("mipjq,jk->mkipq", response, _LEGENDRE[:, -2:])

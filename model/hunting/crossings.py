@@ -83,7 +83,8 @@ def _rise_through_zero(y0: Array, y1: Array, d0: Array, d1: Array) -> Array:
     """Return s at which the polynomial rises through zero, to about 1e-4."""
     low, high = np.zeros(len(y0)), np.ones(len(y0))
     for bound, turns in ((high, y1 <= 0), (low, (y0 >= 0) & (d0 < 0))):
-        bound[turns] = turning_point(y0[turns], y1[turns], d0[turns], d1[turns])
+        if turns.any():
+            bound[turns] = turning_point(y0[turns], y1[turns], d0[turns], d1[turns])
     s = low[:, None] + (high - low)[:, None] * _PARTS
     y = cubic(y0[:, None], y1[:, None], d0[:, None], d1[:, None], s)
     after = np.maximum((y > 0).argmax(axis=1), 1)[:, None]

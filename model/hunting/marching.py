@@ -8,16 +8,22 @@ the busiest motion.
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from copy import copy
+from math import prod
+from typing import NamedTuple, Self
 
 import numpy as np
 
 from hunting.collocation import (
+    GAUSS,
     GRID,
     STAGES,
     Modes,
     Operators,
     SortedPorts,
+    forces,
+    lagrange,
+    smooth_elements,
     states_in_step,
     step_map,
 )
@@ -34,7 +40,19 @@ _ON_KINK = 1e-12  # of the clearance
 _SAME = 1e-7  # of a step or sample interval: the same instant
 _FORGET = 0.8  # how fast the size that errors are relative to may fall from step to step
 _EASY, _PATIENCE = 300, 4  # when a step is doubled; doubling multiplies its error by about 2^8
-_BLOCK = 20_000  # steps sampled at once
+_FEW = 8  # motions that are not worth separating from those that have arrived
+_FIXED = ["member", "case", "limit", "kink", "bend", "preload", "highest"]  # by motion
+_CHANGING = [
+    "state",
+    "time",
+    "ended",
+    "resolved",
+    "contact_peak",
+    "piece",
+    "level",
+    "patience",
+    "scale",
+]
 _TINY = np.finfo(float).tiny
 
 
@@ -57,6 +75,28 @@ class Steps(NamedTuple):
     time: Array
     used: Array
     z: Array
+
+    def only(self, i: Array) -> Steps:
+        """Return the steps `i`, by index or mask."""
+        return Steps(*(values[i] for values in self))
+
+
+class Turns(NamedTuple):
+    """Where the output, or what a contact sees, has a local extreme.
+
+    Attributes
+    ----------
+    step : Steps
+        The steps in which it turns, used up to there.
+    row : ndarray of int, shape (s,)
+        The contact that sees the turn; for the output not less than their number.
+    height : ndarray, shape (s,)
+        Its size, roughly.
+    """
+
+    step: Steps
+    row: Array
+    height: Array
 
 
 class Crests(NamedTuple):
@@ -122,40 +162,60 @@ class March:
         n = initial.shape[-1]
         self.ports = SortedPorts.of(system, cases)
         self.A = np.broadcast_to(system.matrix(speed), (*cases, n, n)).reshape(-1, n, n)
-        number = np.arange(len(self.A)).reshape(cases)
-        self.case = np.broadcast_to(number, self.shape).ravel()
+
+        def place_in(stack: tuple[int, ...]) -> Array:
+            return np.broadcast_to(np.arange(prod(stack)).reshape(stack), self.shape).ravel()
+
+        self.system = system
+        self.member, self.case = place_in(system.shape), place_in(cases)
+        self.smooth = smooth_elements(system, self.member)
         N = len(self.case)
 
         self.output = system.output
         self.limit = reach * np.broadcast_to(system.clearance, self.shape).ravel()
         self.tolerance = tolerance
         self.kink = self.ports.kink[self.case]
+        self.bend = self.ports.bend[self.case]
         self.preload = self.ports.preload[self.case]
-        self.n, self.p, self.c = n, self.ports.C.shape[-2], self.kink.shape[-1]
+        self.n, self.p, self.c = n, self.ports.C.shape[-2], self.ports.contact_C.shape[-2]
 
         self.state = np.array(np.broadcast_to(initial, (*self.shape, n)).reshape(N, n))
         self.time = np.zeros(N)
         self.ended = np.where(np.abs(self.state @ self.output) > self.limit, 0.0, np.inf)
         self.resolved = np.ones(N, dtype=bool)
-        seen = (self.ports.contact_C[self.case] @ self.state[..., None])[..., 0]
-        self.contact_peak = np.abs(seen)
-        self.side = np.sign(seen) * (np.abs(seen) > self.kink)
+        seen = (self.ports.watched[self.case] @ self.state[..., None])[..., 0]
+        self.contact_peak = np.abs(seen[:, : self.c])
+        self.piece = np.sign(seen) * (np.abs(seen) > self.kink)
+        self.piece[(self.piece == 0) & (self.kink == 0)] = 1.0
 
         self._modes: dict[int, Modes] = {}
         self._operators: dict[tuple[int, int], Operators] = {}
-        step = min(step, _ANGLE / max(self._fastest(), _TINY))
         self.sample = sample
         self.base = step if sample is None else sample
-        self.highest = 0 if sample is None else int(np.floor(np.log2(step / sample) + _SAME))
-        self.level = np.full(N, self.highest)
+        longest = np.minimum(step, _ANGLE / np.maximum(self._fastest(), _TINY))
+        self.highest = np.floor(np.log2(longest / self.base) + _SAME).astype(int)[self.case]
+        self.level = self.highest.copy()
         self.patience = np.zeros(N, dtype=int)
         self.scale = np.full((N, self.p), _TINY)
-        self._held = np.full((N, 2), -1)
-        m = STAGES * self.p
-        rows = n + 2 * (self.c + 1) * len(GRID) + 2 * self.p
+        self._hold_nothing()
+
+    def _hold_nothing(self) -> None:
+        """Make room for the operators of every motion's next step."""
+        N, x_f, m = len(self.case), self.n + self.c, STAGES * self.p
+        rows = self.n + 2 * (self.c + self.p + 1) * len(GRID) + 2 * self.p
+        self._held = np.full((N, 2), np.iinfo(int).min)
         self._now = Operators(
-            np.empty((N, m, n + self.c)), np.empty((N, m, m)), np.empty((N, rows, n + self.c + m))
+            np.empty((N, m, x_f)), np.empty((N, m, m)), np.empty((N, rows, x_f + m))
         )
+
+    def _only(self, i: Array) -> Self:
+        """Return a march of the motions `i` alone."""
+        few = copy(self)
+        for name in _FIXED + _CHANGING:
+            setattr(few, name, getattr(self, name)[i])
+        few.smooth = smooth_elements(self.system, few.member)
+        few._hold_nothing()
+        return few
 
     def run(self, until: float, keep: bool = False) -> tuple[Crests, list[Steps]]:
         """Take every motion to `until` [s], or a part of a step beyond.
@@ -167,49 +227,59 @@ class March:
         steps : list of Steps
             One for each pass if `keep`, else empty.
         """
-        crests = [Crests(np.zeros(0, dtype=int), np.zeros(0), np.zeros(0))]
+        crests: list[Crests] = []
         steps: list[Steps] = []
+        turns: list[Turns] = []
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
             while True:
                 going = (self.time < until - _SAME * self.base) & (self.ended == np.inf)
                 if not going.any():
                     break
-                step, crest = self._pass(going)
-                crests.append(crest)
+                if len(going) > _FEW and 2 * going.sum() < len(going):
+                    self._leave_the_others(np.flatnonzero(going), until, keep, crests, steps)
+                    break
+                step, turn = self._pass(going)
+                turns.append(turn)
                 if keep:
                     steps.append(step)
+        crests.append(self._crests(turns))
         seen = (self.ports.contact_C[self.case] @ self.state[..., None])[..., 0]
         self.contact_peak = np.maximum(self.contact_peak, np.abs(seen))
         return Crests(*map(np.concatenate, zip(*crests, strict=True))), steps
 
-    def _pass(self, going: Array) -> tuple[Steps, Crests]:
+    def _leave_the_others(
+        self, i: Array, until: float, keep: bool, crests: list[Crests], steps: list[Steps]
+    ) -> None:
+        """Let the motions `i` run on their own, as the others need no more steps."""
+        few = self._only(i)
+        crest, step = few.run(until, keep)
+        for name in _CHANGING:
+            getattr(self, name)[i] = getattr(few, name)
+        crests.append(crest._replace(motion=i[crest.motion]))
+        steps.extend(part._replace(motion=i[part.motion]) for part in step)
+
+    def _pass(self, going: Array) -> tuple[Steps, Turns]:
         """Take every motion that is `going` one step further, or mark its step as too long."""
         H = self.base * 2.0**self.level
-        regime = (self.side != 0) @ (1 << np.arange(self.c))
+        side = self.piece[:, : self.c]
+        regime = (side != 0) @ (1 << np.arange(self.c))
         operators = self._fetch(regime)
-        start = np.concatenate([self.state, self.side * self.preload], axis=1) * going[:, None]
+        start = np.concatenate([self.state, side * self.preload], axis=1) * going[:, None]
         w, converged = self._stages(operators, start)
         z = np.concatenate([start, w], axis=1)
         end, seen, rates, error = self._view(operators, z)
         good = going & converged & (error <= self.tolerance)
 
-        used, port = self._until_contact(self._until_sample(H), seen, rates, H, good)
+        used, port = self._until_kink(self._until_sample(H), seen, rates, H, good)
+        step = Steps(np.arange(len(good)), regime, self.level.copy(), self.time.copy(), used, z)
         part = np.flatnonzero(good & (used < H * (1 - _SAME)))
         if len(part):
-            end[part], used[part] = self._within(
-                part, regime[part], z[part], H[part], used[part], port[part]
-            )
-        crests = self._crests(seen, rates, H, used, good)
-        record = Steps(
-            *(
-                values[good]
-                for values in (np.arange(len(good)), regime, self.level, self.time, used, z)
-            )
-        )
+            end[part], used[part] = self._within(step.only(part), port[part])
+        turns = self._turns(step, seen, rates, H, good)
         self._switch(np.flatnonzero(good & (port >= 0)), port, end)
-        self._advance(good, end, used, crests)
+        self._advance(good, end, used, turns)
         self._adapt(going, good, error)
-        return record, crests
+        return step.only(good), turns
 
     def modes(self, regime: int) -> Modes:
         """Return the modes while the contacts in the bits of `regime` are closed."""
@@ -245,10 +315,15 @@ class March:
         converged = np.ones(N, dtype=bool)
         if m == 0:
             return u, converged
-        shape = (*self.shape, STAGES, self.p)
+        half = self.piece[:, self.c :]
+
+        def phi(u: Array) -> tuple[Array, Array]:
+            w, slope = forces(self.smooth, u.reshape(N, STAGES, self.p), half, self.bend)
+            return w.reshape(N, m), slope.reshape(N, m)
+
         one = np.eye(m)
         for _ in range(_NEWTON):
-            w, slope = (part.reshape(N, m) for part in self.ports.forces(u.reshape(shape)))
+            w, slope = phi(u)
             residual = base + (operators.kernel @ w[..., None])[..., 0] - u
             jacobian = one - operators.kernel * slope[:, None]
             change = np.linalg.solve(jacobian, residual[..., None])[..., 0]
@@ -260,15 +335,16 @@ class March:
                 break
         size = np.abs(u.reshape(N, STAGES, self.p)).max(axis=1)
         self.scale = np.fmax(_FORGET * self.scale, size)
-        return self.ports.forces(u.reshape(shape))[0].reshape(N, m), converged
+        return phi(u)[0], converged
 
     def _view(self, operators: Operators, z: Array) -> tuple[Array, Array, Array, Array]:
         """Return the end of each step, what is seen on GRID with its rates, and the error."""
         view = (operators.view @ z[..., None])[..., 0]
-        N, rows = len(view), (self.c + 1) * len(GRID)
+        N, watched = len(view), self.c + self.p + 1
+        rows = watched * len(GRID)
         end, seen, rates, error = np.split(view, np.cumsum([self.n, rows, rows]), axis=1)
         error = (np.abs(error) / np.tile(self.scale, 2)).max(axis=1, initial=0)
-        grid = (N, self.c + 1, len(GRID))
+        grid = (N, watched, len(GRID))
         return end, seen.reshape(grid), rates.reshape(grid), error
 
     def _until_sample(self, H: Array) -> Array:
@@ -282,46 +358,51 @@ class March:
         full = (aligned & (self.level >= 0)) | (last <= begin)
         return np.where(full, H, (last - begin) * self.sample)
 
-    def _until_contact(
+    def _until_kink(
         self, used: Array, seen: Array, rates: Array, H: Array, good: Array
     ) -> tuple[Array, Array]:
-        """Shorten `used` to where a contact opens or closes; return it and which one, or -1."""
+        """Shorten `used` to where a port meets a kink of its law; return it and which, or -1."""
         port = np.full(len(used), -1)
-        if self.c == 0:
+        if self.piece.shape[1] == 0:
             return used, port
-        u, slope = seen[:, : self.c], rates[:, : self.c] * H[:, None, None]
-        side, kink = self.side[..., None], self.kink[..., None]
-        sign = np.where(side == 0, np.sign(u), -side)
-        beyond = np.where(side == 0, -kink, kink) + sign * u
+        u, slope = seen[:, :-1], rates[:, :-1] * H[:, None, None]
+        piece, kink = self.piece[..., None], self.kink[..., None]
+        sign = np.where(piece == 0, np.sign(u), -piece)
+        beyond = np.where(piece == 0, -kink, kink) + sign * u
         slope = sign * slope
         near = (beyond + _WIDTH.max() * np.abs(slope) / 4 > 0)[..., 1:]
         i = np.flatnonzero(near.any(axis=(1, 2)) & good)
         if len(i):
             y, dy = (part[i].reshape(-1, len(GRID)) for part in (beyond, slope))
-            instant = first_crossing(GRID, y, dy).reshape(-1, self.c)
+            instant = first_crossing(GRID, y, dy).reshape(len(i), -1)
             earliest = instant.min(axis=1) * H[i]
             hit = earliest < used[i]
             used[i[hit]] = earliest[hit]
             port[i[hit]] = instant.argmin(axis=1)[hit]
         return used, port
 
-    def _within(
-        self, i: Array, regime: Array, z: Array, H: Array, used: Array, port: Array
-    ) -> tuple[Array, Array]:
-        """Return the states after `used` seconds, moved to the very instant of contact."""
-        packed = self._packed(i, regime)
-        x, f, w = np.split(z, [self.n, self.n + self.c], axis=1)
-        w = w.reshape(len(i), STAGES, self.p)
+    def _within(self, step: Steps, port: Array) -> tuple[Array, Array]:
+        """Return the states after `used` seconds, moved to the very kink."""
+        i, used, H = step.motion, step.used, self.base * 2.0**step.level
         longest = _POLISHED * H
         for _ in range(_NEWTON):
-            states, rates = states_in_step(packed, H, x, f, w, used[:, None])
-            shift = self._to_contact(i, port, states[:, 0], rates)
+            states, rates = self._states(step, used)
+            shift = self._to_kink(i, port, states, rates)
             settled = np.abs(shift) <= longest
             if settled.all():
                 break
             used = np.where(settled, used, np.clip(used + shift, 0, H))
         shift = np.clip(shift, -longest, longest)
-        return states[:, 0] + shift[:, None] * rates, used + shift
+        return states + shift[:, None] * rates, used + shift
+
+    def _states(self, step: Steps, t: Array) -> tuple[Array, Array]:
+        """Return states and rates t seconds after the steps began."""
+        packed = self._packed(step.motion, step.regime)
+        return states_in_step(packed, self.base * 2.0**step.level, *self._split(step.z), t)
+
+    def _split(self, z: Array) -> tuple[Array, Array, Array]:
+        x, f, w = np.split(z, [self.n, self.n + self.c], axis=1)
+        return x, f, w.reshape(len(z), STAGES, self.p)
 
     def _packed(self, i: Array, regime: Array) -> Array:
         present = {r: self.modes(r).packed for r in set(regime.tolist())}
@@ -332,42 +413,57 @@ class March:
             out[these, : packed.shape[1]] = packed[self.case[i[these]]]
         return out
 
-    def _to_contact(self, i: Array, port: Array, states: Array, rates: Array) -> Array:
-        """Return the time from `states` to where contact `port` changes, to first order."""
-        if self.c == 0:
+    def _to_kink(self, i: Array, port: Array, states: Array, rates: Array) -> Array:
+        """Return the time from `states` to where `port` meets its kink, to first order."""
+        if self.piece.shape[1] == 0:
             return np.zeros(len(i))
-        C = self.ports.contact_C[self.case[i], port]
-        side, kink = self.side[i, port], self.kink[i, port]
+        C = self.ports.watched[self.case[i], port]
+        piece, kink = self.piece[i, port], self.kink[i, port]
         u, slope = (C * states).sum(axis=1), (C * rates).sum(axis=1)
-        sign = np.where(side == 0, np.sign(u), side)
+        sign = np.where(piece == 0, np.sign(u), piece)
         missing = kink - sign * u
         is_there = (port < 0) | (np.abs(missing) <= _ON_KINK * kink)
         return np.where(is_there, 0.0, missing / (sign * slope))
 
     def _switch(self, i: Array, port: Array, end: Array) -> None:
+        """Let contacts close or open, smooth elements follow the other half of their law."""
         port = port[i]
-        seen = (self.ports.contact_C[self.case[i], port] * end[i]).sum(axis=1)
-        self.side[i, port] = np.where(self.side[i, port] == 0, np.sign(seen), 0.0)
+        seen = (self.ports.watched[self.case[i], port] * end[i]).sum(axis=1)
+        piece = self.piece[i, port]
+        beyond = np.where(port < self.c, 0.0, -piece)
+        self.piece[i, port] = np.where(piece == 0, np.sign(seen), beyond)
 
-    def _crests(self, seen: Array, rates: Array, H: Array, used: Array, good: Array) -> Crests:
-        turns = (rates[..., :-1] * rates[..., 1:] < 0) & good[:, None, None]
-        i, row, j = np.nonzero(turns)
+    def _turns(self, step: Steps, seen: Array, rates: Array, H: Array, good: Array) -> Turns:
+        """Find where within the steps the output, or what a contact sees, turns."""
+        turning = (rates[..., :-1] * rates[..., 1:] < 0) & good[:, None, None]
+        turning[:, self.c : -1] = False
+        i, row, j = np.nonzero(turning)
         width = H[i] * _WIDTH[j]
-        hermite = (
-            seen[i, row, j],
-            seen[i, row, j + 1],
-            rates[i, row, j] * width,
-            rates[i, row, j + 1] * width,
-        )
-        s = turning_point(*hermite)
+        y0, y1 = seen[i, row, j], seen[i, row, j + 1]
+        d0, d1 = rates[i, row, j] * width, rates[i, row, j + 1] * width
+        s = turning_point(y0, y1, d0, d1)
         after = H[i] * GRID[j] + s * width
-        height = np.abs(cubic(*hermite, s))
-        real = after <= used[i]
-        contact, output = real & (row < self.c), real & (row == self.c)
-        np.maximum.at(self.contact_peak, (i[contact], row[contact]), height[contact])
-        return Crests(i[output], (self.time[i] + after)[output], height[output])
+        real = after <= step.used[i]
+        i, height = i[real], np.abs(cubic(y0, y1, d0, d1, s))[real]
+        return Turns(step.only(i)._replace(used=after[real]), row[real], height)
 
-    def _advance(self, good: Array, end: Array, used: Array, crests: Crests) -> None:
+    def _crests(self, turns: list[Turns]) -> Crests:
+        """Evaluate the turns of the output; note the largest ones of the contacts."""
+        if not turns:
+            return Crests(np.zeros(0, dtype=int), np.zeros(0), np.zeros(0))
+        step = Steps(*map(np.concatenate, zip(*(turn.step for turn in turns), strict=True)))
+        row = np.concatenate([turn.row for turn in turns])
+        states, _ = self._states(step, step.used)
+        case = self.case[step.motion]
+        seen = np.abs(states @ self.output)
+        contact = row < self.c
+        i, port = np.flatnonzero(contact), row[contact]
+        seen[i] = np.abs((self.ports.contact_C[case[i], port] * states[i]).sum(axis=1))
+        np.maximum.at(self.contact_peak, (step.motion[i], port), seen[i])
+        motion, time = step.motion[~contact], (step.time + step.used)[~contact]
+        return Crests(motion, time, seen[~contact])
+
+    def _advance(self, good: Array, end: Array, used: Array, turns: Turns) -> None:
         self.state[good] = end[good]
         self.time[good] += used[good]
         if self.sample is not None:
@@ -375,7 +471,8 @@ class March:
             same = np.abs(self.time - nearest) < _SAME * self.sample
             self.time[same] = nearest[same]
         away = good & (np.abs(self.state @ self.output) > self.limit)
-        away[crests.motion[crests.height > self.limit[crests.motion]]] = True
+        over = (turns.row >= self.c) & (turns.height > self.limit[turns.step.motion])
+        away[turns.step.motion[over]] = True
         self.ended[away] = self.time[away]
 
     def _adapt(self, going: Array, good: Array, error: Array) -> None:
@@ -388,10 +485,11 @@ class March:
         self.resolved[lost] = False
         self.ended[lost] = self.time[lost]
 
-    def _fastest(self) -> float:
-        """Return the largest angular frequency that is not drowned in its own damping."""
-        lam = np.concatenate([self.modes(r).packed[..., 0].ravel() for r in {0, (1 << self.c) - 1}])
-        return float(np.abs(lam.imag[np.abs(lam.real) < np.abs(lam.imag)]).max(initial=0))
+    def _fastest(self) -> Array:
+        """Return each case's largest angular frequency that is not drowned in its own damping."""
+        regimes = {0, (1 << self.c) - 1}
+        lam = np.concatenate([self.modes(r).packed[..., 0] for r in regimes], axis=-1)
+        return np.max(lam.imag * (np.abs(lam.real) < lam.imag), axis=-1)
 
     def sampled(self, steps: list[Steps], count: int) -> Array:
         """Return the states at the first `count` samples after the start, shape (N, count, n).
@@ -402,53 +500,49 @@ class March:
         out = np.full((len(self.case), count, self.n), np.nan)
         if not steps:
             return out
-        whole = Steps(*map(np.concatenate, zip(*steps, strict=True)))
-        begin = whole.time / self.sample
+        all_steps = Steps(*map(np.concatenate, zip(*steps, strict=True)))
+        begin = all_steps.time / self.sample
         first = np.floor(begin + _SAME).astype(int)
-        inside = np.floor((whole.time + whole.used) / self.sample + _SAME).astype(int) - first
-        aligned = (np.abs(begin - first) < _SAME) & (whole.level >= 0)
-        self._sample_aligned(out, whole, first, inside, np.flatnonzero(aligned & (inside > 0)))
-        self._sample_others(out, whole, first, inside, np.flatnonzero(~aligned & (inside > 0)))
+        end = (all_steps.time + all_steps.used) / self.sample
+        inside = np.floor(end + _SAME).astype(int) - first
+        aligned = (np.abs(begin - first) < _SAME) & (all_steps.level >= 0)
+        late = np.flatnonzero(~aligned & (inside > 0))
+        if len(late):
+            self._move_to_sample(all_steps, late, first[late] + 1)
+            first[late] += 1
+            inside[late] -= 1
+            out[all_steps.motion[late], first[late] - 1] = all_steps.z[late, : self.n]
+        self._sample(out, all_steps, first, inside)
         return out
 
-    def _sample_aligned(
-        self, out: Array, steps: Steps, first: Array, inside: Array, which: Array
-    ) -> None:
+    def _move_to_sample(self, steps: Steps, i: Array, sample: Array) -> None:
+        """Let the steps `i` begin at a sample within them: the same polynomial, seen from there."""
+        assert self.sample is not None
+        late = steps.only(i)
+        _, f, w = self._split(late.z)
+        ahead = np.minimum(sample * self.sample - late.time, late.used)
+        states, _ = self._states(late, ahead)
+        H = self.base * 2.0**late.level
+        w = lagrange((ahead / H)[:, None] + GAUSS) @ w
+        steps.z[i] = np.concatenate([states, f, w.reshape(len(i), -1)], axis=1)
+
+    def _sample(self, out: Array, steps: Steps, first: Array, inside: Array) -> None:
         """One matrix product for all the steps of the same length, regime and case."""
-        keys = np.stack([steps.level, steps.regime, self.case[steps.motion]], axis=1)[which]
-        which = which[np.lexsort(keys.T[::-1])]
-        keys = np.stack([steps.level, steps.regime, self.case[steps.motion]], axis=1)[which]
-        new = np.flatnonzero((np.diff(keys, axis=0) != 0).any(axis=1)) + 1
+        which = np.flatnonzero((inside > 0) & (steps.level >= 0))
+        keys = np.stack([steps.level, steps.regime, self.case[steps.motion]])[:, which]
+        order = np.lexsort(keys)
+        which, keys = which[order], keys[:, order]
+        new = np.flatnonzero((np.diff(keys) != 0).any(axis=0)) + 1
         maps: dict[tuple[int, int], Array] = {}
-        for i in np.split(which, new):
-            if len(i) == 0:
-                continue
-            level, regime, case = (
-                int(k)
-                for k in (steps.level[i[0]], steps.regime[i[0]], self.case[steps.motion[i[0]]])
-            )
+        for i in np.split(which, new) if len(which) else []:
+            level, regime = int(steps.level[i[0]]), int(steps.regime[i[0]])
             S = 1 << level
             if (level, regime) not in maps:
                 theta = np.arange(1, S + 1) / S
                 maps[level, regime] = step_map(self.modes(regime), self.ports, self.base * S, theta)
-            matrix = maps[level, regime][case]
+            matrix = maps[level, regime][self.case[steps.motion[i[0]]]]
             states = steps.z[i] @ matrix.reshape(-1, matrix.shape[-1]).T
             _write(out, steps.motion[i], first[i], inside[i], states.reshape(len(i), S, self.n))
-
-    def _sample_others(
-        self, out: Array, steps: Steps, first: Array, inside: Array, which: Array
-    ) -> None:
-        assert self.sample is not None
-        for i in np.array_split(which, len(which) // _BLOCK + 1):
-            if len(i) == 0:
-                continue
-            H = self.base * 2.0 ** steps.level[i]
-            ahead = (first[i, None] + 1 + np.arange(inside[i].max())) * self.sample
-            t = np.minimum(ahead - steps.time[i, None], steps.used[i, None])
-            x, f, w = np.split(steps.z[i], [self.n, self.n + self.c], axis=1)
-            packed = self._packed(steps.motion[i], steps.regime[i])
-            states, _ = states_in_step(packed, H, x, f, w.reshape(len(i), STAGES, self.p), t)
-            _write(out, steps.motion[i], first[i], inside[i], states)
 
 
 def _write(out: Array, motion: Array, first: Array, inside: Array, states: Array) -> None:

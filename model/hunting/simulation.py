@@ -12,8 +12,8 @@ from hunting.elements import Array
 from hunting.lure import LureSystem
 from hunting.marching import Crests, March
 
-TOLERANCE = 1e-3
-LONGEST_STEP = 0.04  # s
+TOLERANCE = 3e-4
+LONGEST_STEP = 0.08  # s
 REACH = 1.6  # times the clearance: where the model's range ends
 
 _FULL_HUNT = 1.05  # times the clearance: where a ramp down begins
@@ -103,11 +103,11 @@ def simulate(
         Time simulated [s].
     samples : float, default 200
         Instants per second that are returned. Has no bearing on the accuracy.
-    tolerance : float, default 1e-3
+    tolerance : float, default 3e-4
         Error of one step in what the damper sees, relative to its recent peak, as estimated from
         the last two of the eight Legendre coefficients of its force; the error of the motion is
         smaller by orders (see Notes).
-    step : float, default 0.04
+    step : float, default 0.08
         Longest step [s]. Steps are halved where the tolerance asks for it.
     reach : float, default 1.6
         A motion is stopped where |output| exceeds this multiple of the clearance: the model was
@@ -125,17 +125,18 @@ def simulate(
     Notes
     -----
     Exponential collocation, see `hunting.collocation`: the linear part is propagated exactly,
-    whatever its stiffness, the damper by a polynomial of degree 7 a step, and steps end where a
-    contact opens or closes. Peak |y| in the last of 20 s differs from that of Radau's and of an
-    explicit method at tolerances of 1e-10 and less by 5e-6 (relative, bogie on both sides of its
-    unstable cycle and in contact) at the default tolerance, 3e-7 at 1e-5, 1e-7 at 1e-6.
+    whatever its stiffness, the damper's force by a polynomial of degree 7 in each step, and steps
+    end where a contact opens or closes or the damper's velocity changes sign. Measured error of
+    the peak |y| in the last of 20 s, relative: at most 1.3e-6 for a hundred motions of the bogie
+    between 133 and 149 km/h at the default tolerance and 4e-8 at 1e-5; at most 4e-5 for 270
+    motions of vehicles drawn at random within a factor of 2.
 
     Examples
     --------
     >>> from hunting import RECONSTRUCTED, simulate, wheelset
     >>> moved = simulate(wheelset(RECONSTRUCTED), 41.5, [[0.003, 0, 0, 0], [0.008, 0, 0, 0]], 20.0)
-    >>> 1e3 * moved.peak(since=19.0)  # mm: one has shrunk, one has grown until it met the flange
-    array([1.07, 9.35])
+    >>> (1e3 * moved.peak(since=19.0)).round(2)  # mm: one has shrunk, one has met the flange
+    array([2.38, 9.4 ])
     """
     speed, initial = _motions(system, speed, initial)
     duration, samples, tolerance, step = (
@@ -252,7 +253,7 @@ def decays(
     >>> from hunting import RECONSTRUCTED, decays, wheelset
     >>> y = np.array([0.004, 0.008])
     >>> decays(wheelset(RECONSTRUCTED), 41.0, y[:, None] * [1, 0, 0, 0]).message
-    array(['dies out in 27.6 s', 'grows into a limit cycle of 9.32 mm'], dtype='<U35')
+    array(['dies out in 197.9 s', 'grows into a limit cycle of 9.36 mm'], dtype='<U35')
     """
     speed, initial = _motions(system, speed, initial)
     share, horizon = _positive("share", share, ""), _positive("horizon", horizon, "s")
@@ -272,8 +273,7 @@ def decays(
     while (march.ended == np.inf).any() and len(envelope) * window <= horizon + window:
         going = march.ended == np.inf
         crests, _ = march.run(len(envelope) * window)
-        a = np.where(going, np.abs(march.state @ march.output), envelope[-1])
-        np.maximum.at(a, crests.motion, crests.height)
+        a = np.where(going, _highest(march, crests), envelope[-1])
         highest = np.maximum(highest, a)
         tall = crests.height > share * highest[crests.motion]
         np.maximum.at(last_above, crests.motion[tall], crests.time[tall])
@@ -323,7 +323,7 @@ def speed_ramp(
     system: LureSystem,
     speeds: ArrayLike,
     *,
-    dwell: float = 30.0,
+    dwell: float = 20.0,
     disturbance: float = 0.01,
     hunting: float = 0.5,
     tolerance: float = TOLERANCE,
@@ -337,7 +337,7 @@ def speed_ramp(
         One system or a stack of them.
     speeds : array_like, shape (k,)
         Forward speeds [m/s], rising, at least two.
-    dwell : float, default 30
+    dwell : float, default 20
         Time at each speed [s]. A ramp passes jumps late: just above the Hopf point disturbances
         grow, and just below the fold they shrink, too slowly for any dwell.
     disturbance : float, default 0.01
@@ -361,13 +361,15 @@ def speed_ramp(
     -----
     The way down begins at the highest speed with a displacement of 1.05 times the clearance. Each
     dwell begins with the state the last one ended with. The envelope is that of the last fifth
-    of the dwell.
+    of the dwell. Where it still shrinks, what counts is the value it tends to by the last three
+    fifths: shrinking slower and slower, it may settle; shrinking ever faster, as beyond the fold,
+    the hunt is lost. A motion that left the model's range counts as hunting.
 
     Examples
     --------
     >>> from hunting import RECONSTRUCTED, speed_ramp, wheelset
     >>> km_h = np.array([143.5, 144.0, 150.0, 156.0, 162.0])
-    >>> found = speed_ramp(wheelset(RECONSTRUCTED), km_h / 3.6)
+    >>> found = speed_ramp(wheelset(RECONSTRUCTED), km_h / 3.6, disturbance=0.3)
     >>> round(3.6 * found.jump_up, 2), round(3.6 * found.jump_down, 2)  # hysteresis
     (162.0, 144.0)
     """
@@ -388,21 +390,21 @@ def speed_ramp(
     state = nudge.copy()
     state[1] = _FULL_HUNT * np.asarray(system.clearance)[..., None] * aside
     first = state.copy()
-    found = np.full((len(V), *shape), np.nan)
+    found, hunts = np.empty((len(V), *shape)), np.empty((len(V), *shape), dtype=bool)
     for k, pair in enumerate(zip(V, V[::-1], strict=True)):
         speed = np.reshape(pair, (2,) + (1,) * len(system.shape))
         march = March(system, speed, state, tolerance=tolerance, step=LONGEST_STEP, reach=reach)
-        march.run(0.8 * dwell)
-        crests, _ = march.run(dwell)
-        envelope = np.abs(march.state @ march.output)
-        np.maximum.at(envelope, crests.motion, crests.height)
+        march.run(0.4 * dwell)
+        fifths = [_highest(march, march.run(part * dwell)[0]) for part in (0.6, 0.8, 1.0)]
+        envelope = np.reshape(fifths, (3, *shape))
         away = (march.ended < np.inf).reshape(shape)
-        found[k] = np.where(away, np.nan, envelope.reshape(shape))
-        calm = envelope.reshape(shape) < small
+        found[k] = np.where(away, np.nan, envelope[-1])
+        hunts[k] = away | (_tends_to(envelope) > large)
+        calm = envelope[-1] < small
         state = np.where(calm[..., None], nudge, march.state.reshape(*shape, -1))
         state = np.where(away[..., None], first, state)
-    up, down = (np.moveaxis(part, 0, -1) for part in (found[:, 0], found[::-1, 1]))
-    return _ramp(V, up, down, large[..., None], dwell)
+    found, hunts = (np.moveaxis(part, 0, -1) for part in (found, hunts))
+    return _ramp(V, found[0], found[1, ..., ::-1], hunts[0], hunts[1, ..., ::-1], dwell)
 
 
 def _motions(system: LureSystem, speed: ArrayLike, initial: ArrayLike) -> tuple[Array, Array]:
@@ -501,6 +503,22 @@ def _centred_motion(march: March) -> tuple[Array, float]:
     return (lam.real.max(axis=-1) < 0)[march.case], float(window)
 
 
+def _highest(march: March, crests: Crests) -> Array:
+    """Return the largest |output| of each motion among the crests and the state it has reached."""
+    highest = np.abs(march.state @ march.output)
+    np.maximum.at(highest, crests.motion, crests.height)
+    return highest
+
+
+def _tends_to(envelope: Array) -> Array:
+    """Return where three successive envelopes tend to if they shrink, else the last one."""
+    before, last = envelope[0] - envelope[1], envelope[1] - envelope[2]
+    slows_down = np.maximum(before - last, 0)
+    to_come = np.full(last.shape, np.inf)
+    np.divide(last**2, slows_down, out=to_come, where=slows_down > 0)
+    return envelope[2] - np.where(last > _SETTLED * envelope[2], to_come, 0.0)
+
+
 def _has_settled(envelope: Array) -> Array:
     """Return whether each column has converged; its rows are the windows."""
     if len(envelope) <= _LOOKED_AT + 1:
@@ -524,7 +542,8 @@ def _decay(
     reach: float,
 ) -> Decay:
     away = (march.ended < np.inf) & ~dies & ~settled
-    grows = (np.diff(envelope[-_LOOKED_AT:], axis=0) > 0).all(axis=0) & (len(envelope) > _LOOKED_AT)
+    steps = np.diff(envelope[-_LOOKED_AT:], axis=0)
+    grows = np.logical_and.reduce(steps > 0) & (len(steps) == _LOOKED_AT - 1)
     final = np.where(away, np.nan, envelope[-1])
     messages = []
     for i, ending in enumerate(_endings(march, reach)):
@@ -553,9 +572,10 @@ def _decay(
     )
 
 
-def _ramp(V: Array, up: Array, down: Array, large: Array, dwell: float) -> SpeedRamp:
-    """Find the jumps. Motions that left the model's range hunt, whatever else they do."""
-    hunts_up, hunts_down = (np.logical_not(part <= large) for part in (up, down))
+def _ramp(
+    V: Array, up: Array, down: Array, hunts_up: Array, hunts_down: Array, dwell: float
+) -> SpeedRamp:
+    """Find the jumps."""
     none_up = np.logical_not(hunts_up.any(axis=-1))
     jump_up = np.where(none_up, np.nan, V[hunts_up.argmax(axis=-1)])
     calm = np.logical_not(hunts_down[..., ::-1])
