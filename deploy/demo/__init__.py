@@ -1,0 +1,1 @@
+"""The web demo: the dashboard served to many visitors, within limits."""

@@ -1,0 +1,164 @@
+"""What is let in: a Bokeh server with the dashboard at its root that refuses what is no visit."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from bokeh.server.tornado import BokehTornado
+from bokeh.util.token import get_session_id
+from demo.log import LOG
+from demo.settings import Settings, origin
+from tornado.web import OutputTransform, RequestHandler
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from bokeh.application import Application
+    from tornado.httputil import HTTPHeaders, HTTPMessageDelegate, HTTPServerRequest
+
+KIB = 1024
+LONGEST_ADDRESS = 4 * KIB  # a link with every parameter changed has some 600 characters
+LARGEST_MESSAGE = 256 * KIB  # a slider's move is some 300 bytes
+# Bokeh compiles callbacks in the browser and Panel imports components from blobs.
+HEADERS = {
+    "Content-Security-Policy": "default-src 'self'; "
+    "script-src 'self' 'unsafe-inline' 'unsafe-eval' blob:; style-src 'self' 'unsafe-inline'; "
+    "img-src 'self' data: blob:; font-src 'self' data:; "
+    "connect-src 'self' blob:; object-src 'none'; base-uri 'none'; "
+    "form-action 'none'",
+    "Referrer-Policy": "same-origin",
+    "X-Content-Type-Options": "nosniff",
+}
+PAGE = """<!doctype html>
+<html lang="en">
+<meta charset="utf-8">
+<meta name="viewport" content="width=device-width">
+<meta name="color-scheme" content="light dark">
+{again}
+<title>bogie hunting</title>
+<style>body {{ max-width: 32em; margin: 20vh auto; padding: 0 1em; font: 1.1em system-ui }}</style>
+<h1>bogie hunting</h1>
+<p>{said}</p>
+</html>
+"""
+
+
+class Gate(BokehTornado):
+    """Serves one application; knows how many visitors there are and who may not come in."""
+
+    def __init__(self, application: Application, settings: Settings) -> None:
+        self.chosen = settings
+        super().__init__(
+            {"/": application},
+            prefix=settings.prefix,
+            extra_patterns=[(r"/liveness", Liveness)],
+            # Whose websockets are taken is decided in `refusal`.
+            extra_websocket_origins=["*"],
+            # Nothing of the visitor goes into the session but the choice of light or dark.
+            include_headers=[],
+            include_cookies=["hunting-dark"],
+            check_unused_sessions_milliseconds=2000,
+            websocket_max_message_size_bytes=LARGEST_MESSAGE,
+            # A visitor who reads nothing any more is sent away.
+            websocket_ping_interval=20,
+            websocket_ping_timeout=20,
+            transforms=[ExtraHeaders],
+            log_function=lambda handler: None,
+        )
+
+    @property
+    def visitors(self) -> int:
+        """How many sessions there are, those included whose page is still loading."""
+        return sum(len(self.get_sessions(path)) for path in self.app_paths)
+
+    def find_handler(self, request: HTTPServerRequest, **kwargs: Any) -> HTTPMessageDelegate:
+        """Return what answers a request: the usual handler, or a refusal."""
+        if refused := self.refusal(request):
+            status, said = refused
+            return self.get_handler_delegate(request, Refusal, {"status": status, "said": said})
+        return super().find_handler(request, **kwargs)
+
+    def refusal(self, request: HTTPServerRequest) -> tuple[int, str] | None:
+        """Return why a request is refused, as status and words, or None."""
+        place = request.path.removeprefix(self.prefix)
+        if request.method not in ("GET", "HEAD"):
+            return 405, "Nothing can be sent here."
+        if len(request.uri or "") > LONGEST_ADDRESS:
+            return 414, "This address is too long."
+        if place in ("/autoload.js", "/metadata"):
+            return 404, "There is nothing here."
+        if place == "/ws" and not self._has_allowed_origin(request.headers):
+            LOG.warning("refused: a websocket from a page of another origin")
+            return 403, "Pages of other origins may not use this demo."
+        if place in ("", "/", "/ws") and self._is_full(request):
+            LOG.warning("refused: all %d places are taken", self.chosen.session_limit)
+            return 503, self._full()
+        return None
+
+    def _has_allowed_origin(self, headers: Mapping[str, str]) -> bool:
+        came_from = headers.get("Origin")
+        if came_from is None:  # no browser: they always say
+            return True
+        try:
+            came_from = origin(came_from)
+        except ValueError:
+            return False
+        if self.chosen.allowed_origins:
+            return came_from in self.chosen.allowed_origins
+        return came_from in {origin(f"{s}://{headers.get('Host')}") for s in ("http", "https")}
+
+    def _full(self) -> str:
+        return (
+            f"All {self.chosen.session_limit} places of this demo are taken just now. This page "
+            "tries again by itself every 15 seconds; the values in its address are kept."
+        )
+
+    def _is_full(self, request: HTTPServerRequest) -> bool:
+        return self.visitors >= self.chosen.session_limit and not self._has_session(request)
+
+    def _has_session(self, request: HTTPServerRequest) -> bool:
+        """Say whether a websocket belongs to a page that has been let in."""
+        token = request.headers.get("Sec-WebSocket-Protocol", "").rpartition(",")[2].strip()
+        try:
+            wanted = get_session_id(token)
+        except Exception:  # whatever it is, it is no token
+            return False
+        return any(session.id == wanted for session in self.get_sessions("/"))
+
+
+class Liveness(RequestHandler):
+    """Says that the server answers."""
+
+    def get(self) -> None:
+        """Answer with a word."""
+        self.write({"alive": True})
+
+
+class Refusal(RequestHandler):
+    """A page that says in words why there is nothing else."""
+
+    def initialize(self, status: int, said: str) -> None:
+        """Keep what the page will say."""
+        self.status, self.said = status, said
+
+    def prepare(self) -> None:
+        """Answer, whatever the method."""
+        self.set_status(self.status)
+        self.set_header("Cache-Control", "no-store")
+        again = ""
+        if self.status == 503:
+            self.set_header("Retry-After", "15")
+            again = '<meta http-equiv="refresh" content="15">'
+        self.finish(PAGE.format(again=again, said=self.said))
+
+
+class ExtraHeaders(OutputTransform):
+    """Adds what browsers shall keep to, and leaves out which program this is."""
+
+    def transform_first_chunk(
+        self, status_code: int, headers: HTTPHeaders, chunk: bytes, finishing: bool
+    ) -> tuple[int, HTTPHeaders, bytes]:
+        """Change the headers of a response."""
+        headers.update(HEADERS)
+        headers.pop("Server", None)
+        return status_code, headers, chunk

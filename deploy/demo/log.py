@@ -1,0 +1,52 @@
+"""One line an event, and nothing of a visitor in it.
+
+What libraries log may hold addresses, query strings and messages, so of their records only the
+place and the kind of trouble are kept.
+"""
+
+from __future__ import annotations
+
+import logging
+import sys
+import time
+import traceback
+from pathlib import Path
+
+LOG = logging.getLogger("demo")
+
+
+class OneLine(logging.Formatter):
+    """Time, level, event; of a library's record where it came from instead of its text."""
+
+    converter = time.gmtime
+    default_msec_format = "%s.%03dZ"
+    default_time_format = "%Y-%m-%dT%H:%M:%S"
+
+    def format(self, record: logging.LogRecord) -> str:
+        """Return a record as one line."""
+        if record.name == LOG.name:
+            said = record.getMessage()
+        else:
+            said = f"trouble in {record.name}, line {record.lineno}"
+        if record.exc_info and record.exc_info[0]:
+            frames = traceback.extract_tb(record.exc_info[2])[-4:]
+            way = " > ".join(f"{Path(frame.filename).name}:{frame.lineno}" for frame in frames)
+            said += f": {record.exc_info[0].__name__} at {way}"
+        said = " ".join(said.split())
+        return f"{self.formatTime(record)} {record.levelname.lower()} {said}"
+
+
+def start_logging() -> None:
+    """Send this program's events and the libraries' warnings to standard output."""
+    handler = logging.StreamHandler(sys.stdout)
+    handler.setFormatter(OneLine())
+    for name in ("panel", "bokeh", "tornado", "asyncio"):
+        library = logging.getLogger(name)
+        library.handlers.clear()
+        library.propagate = True
+        library.setLevel(logging.WARNING)
+    # Advice on layouts, for developers.
+    logging.getLogger("bokeh.core.validation").setLevel(logging.ERROR)
+    logging.captureWarnings(True)
+    logging.basicConfig(handlers=[handler], level=logging.WARNING, force=True)
+    LOG.setLevel(logging.INFO)
