@@ -79,7 +79,7 @@ class Branch:
         The system the branch belongs to.
     multipliers : ndarray, complex, shape (..., m, n), or None
         Floquet multipliers; None for averaging, which has none.
-    message : str
+    message : str, or ndarray of str, shape (...)
         What a reader of the branch must know, in words; empty if nothing.
     """
 
@@ -92,7 +92,7 @@ class Branch:
     fold: tuple[float, float] | tuple[Array, Array] | None
     system: LureSystem
     multipliers: Phasor | None = None
-    message: str = ""
+    message: str | Array = ""
 
     def motion(self, index: int, samples: int = 257) -> Motion:
         """Return one period of point `index`.

@@ -14,6 +14,7 @@ from hunting.bogoliubov import Averaging
 from hunting.elements import Array
 from hunting.harmonic_balance import Balance, Line, Solution, solve
 
+STUCK = "the branch could not be followed further"
 _MOST = 150  # cycles
 _SHRINK, _GROW, _SMALLEST = 0.4, 1.4, 1e-3
 
@@ -40,7 +41,7 @@ def continued(
     found = solve(balance, without_tail, found.line)
     found, V_c = found[found.converged], float(averaged.speed[0])
     if len(found) < 2:
-        return found, "the branch could not be followed further"
+        return found, STUCK
     scale = np.array([V_c, float(found.cycles.Y.max())])
     longest = _distance(found, scale).max(initial=0.05)
     reach = _distance(found[len(found) - 2 :], scale)[0]
@@ -49,7 +50,7 @@ def continued(
         if step is None:
             reach *= _SHRINK
             if reach < _SMALLEST * longest:
-                return found, "the branch could not be followed further"
+                return found, STUCK
             continue
         found, reach = found.joined(step), min(_GROW * reach, longest)
         Y, V = found.cycles.Y[-1], found.cycles.V[-1]
@@ -57,7 +58,7 @@ def continued(
             return found, "the branch ends at another Hopf point"
         if largest < Y:
             return found, ""
-        if not 0.2 * V_c < V < 5 * V_c:
+        if not 0.05 * V_c < V < 5 * V_c:
             return found, "the branch leaves the speeds the model is made for"
     return found, "the branch could not be followed to its end"
 

@@ -16,7 +16,7 @@ from hunting.bogoliubov import (
     default_amplitudes,
 )
 from hunting.elements import Array
-from hunting.limit_cycles import HARMONICS
+from hunting.limit_cycles import MORE_HARMONICS, limit_cycles
 from hunting.lure import LureSystem
 from hunting.saddle_nodes import slowest_cycles
 from hunting.stability import HopfPoints, hopf_points
@@ -146,14 +146,19 @@ def _exact(
     V, Y = np.full((2, a_fold.size), np.nan)
     missed = np.zeros(a_fold.size, dtype=bool)
     going = np.flatnonzero(np.isfinite(averaged.speed))
-    for harmonics in (HARMONICS, 2 * HARMONICS + 1, 4 * HARMONICS + 3):
+    for harmonics in MORE_HARMONICS:
         for first in range(0, len(going), _CHUNK):
             which = going[first : first + _CHUNK]
             part, hopf = system.take(which), points.take(which)
             slowest = slowest_cycles(part, averaging(part, hopf), a_fold.ravel()[which], harmonics)
             V[which], Y[which], missed[which] = slowest.V, slowest.Y, slowest.missed
         going = np.flatnonzero(missed)
-    V[missed] = Y[missed] = np.nan
+    V[going] = Y[going] = np.nan
+    for i in going:  # branches that turn more than once: each is looked at as a whole
+        fold = limit_cycles(system.take(i), points=points.take(i)).fold
+        if fold is not None:
+            V[i], Y[i] = fold
+            missed[i] = False
     return V.reshape(a_fold.shape), Y.reshape(a_fold.shape), missed.reshape(a_fold.shape)
 
 

@@ -7,11 +7,67 @@ between cycles whose slopes are known, and never fitted across the clearance.
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from hunting.elements import Array
+from hunting.harmonic_balance import Balance, Solution, at_amplitude, solve
 
 FREE = 1 - 1e-4  # of the clearance: what does not touch yet, whatever the rounding
+CRUDE_FOLD = 1e-5  # relative change of its speed by higher harmonics that asks for more of them
+_ROUGH = 1e-4  # relative Newton step, squared by the next one, that intermediate cycles end with
+_CLOSE = 1e-7  # relative change of the fold's speed still possible in the bracket
+_ROUNDS = 20
+
+
+def closed_in(balance: Balance, low: Solution, high: Solution, delta: Array) -> Solution:
+    """Return the cycles at the folds between pairs of cycles whose slopes differ in sign.
+
+    Parameters
+    ----------
+    balance : Balance
+        The equations of one system, or of each of M systems.
+    low, high : Solution
+        M cycles each, found at given amplitudes, the first ones smaller.
+    delta : ndarray, shape (M,)
+        The clearance.
+
+    Returns
+    -------
+    Solution
+        Not converged where the search failed.
+    """
+    low, high, best = low.copy(), high.copy(), low.copy()
+    rises = low.V_slope > 0
+    going = np.arange(len(delta))
+    for round_ in range(_ROUNDS):
+        if len(going) == 0:
+            break
+        a, b = low[going], high[going]
+        Y = _turning(a, b, delta[going])
+        if round_ % 3 == 2:  # a bend that the cubic keeps missing
+            Y = 0.5 * (a.cycles.Y + b.cycles.Y)
+        share = (Y - a.cycles.Y) / (b.cycles.Y - a.cycles.Y)
+        guess = replace(a.cycles.towards(b.cycles, share), Y=Y)
+        tried = solve(balance.take(going), guess, at_amplitude(Y), tolerance=_ROUGH)
+        best.put(going, tried)
+        before = (tried.V_slope > 0) == rises[going]
+        low.put(going[before], tried[before])
+        high.put(going[~before], tried[~before])
+        still = np.abs(tried.V_slope * (_turning(low[going], high[going], delta[going]) - Y))
+        going = going[tried.converged & (still > _CLOSE * tried.cycles.V)]
+    best.converged[going] = False
+    return best
+
+
+def _turning(low: Solution, high: Solution, delta: Array) -> Array:
+    return turning_amplitude(
+        np.array([low.cycles.Y, high.cycles.Y]),
+        np.array([low.cycles.V, high.cycles.V]),
+        np.array([low.V_slope, high.V_slope]),
+        delta,
+    )
 
 
 def turning_amplitude(Y: Array, V: Array, slope: Array, delta: Array) -> Array:

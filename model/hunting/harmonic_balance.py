@@ -27,6 +27,7 @@ Line = tuple[Array, Array, Array]  # v V + a Y = s
 
 _TOLERANCE = 1e-6  # relative Newton step after which the error is its square
 _STEPS = 12
+_PATIENCE = 5  # steps that may grow
 _TRUST = 0.01  # largest correction by the higher harmonics after which another one is idle
 _CORRECTIONS = 6  # tried at most
 
@@ -383,8 +384,8 @@ def solve(balance: Balance, guess: Cycles, line: Line, tolerance: float = _TOLER
     cycles = guess.resized(len(balance.orders))
     converged = np.zeros(M, dtype=bool)
     V_slope, Y_slope = np.full((2, M), np.nan)
-    going = np.arange(M)
-    for _ in range(_STEPS):
+    going, before = np.arange(M), np.full(M, np.inf)
+    for step_number in range(_STEPS):
         if len(going) == 0:
             break
         part = cycles[going]
@@ -400,7 +401,9 @@ def solve(balance: Balance, guess: Cycles, line: Line, tolerance: float = _TOLER
         done = size < tolerance
         converged[going[done]] = True
         possible = np.isfinite(size) & (part.V > 0) & (part.omega > 0) & (part.Y > 0)
-        going = going[~done & possible]
+        shrinks = (step_number < _PATIENCE) | (size < before[going])
+        before[going] = size
+        going = going[~done & possible & shrinks]
     return Solution(cycles, line, converged, V_slope, Y_slope)
 
 

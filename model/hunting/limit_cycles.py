@@ -19,7 +19,7 @@ from hunting.branch import Branch
 from hunting.continuation import STUCK, continued
 from hunting.elements import Array
 from hunting.floquet import half_multipliers
-from hunting.folds import FREE, closed_in
+from hunting.folds import CRUDE_FOLD, FREE, closed_in
 from hunting.harmonic_balance import (
     Balance,
     Cycles,
@@ -31,14 +31,15 @@ from hunting.harmonic_balance import (
 )
 from hunting.lure import LureSystem
 from hunting.ports import Ports, orders_up_to
-from hunting.stability import HopfPoints
+from hunting.stability import HopfPoints, hopf_points
 
 HARMONICS = 15
-MORE_HARMONICS = (HARMONICS, 2 * HARMONICS + 1, 4 * HARMONICS + 3)
+MORE_HARMONICS = (HARMONICS, 2 * HARMONICS + 1)
 _POINTS = 62  # of the default branch, folds not counted
 _FREE = np.array([0.25, 0.5, 0.75, 0.9, FREE])  # amplitudes found first, over the clearance
 _TOUCHING = 8  # and as many beyond it
-_ATTEMPTS = 3  # to find the rest from what was found
+_SLACK = 1e-4  # rounding and truncation of neighbours' speeds
+_ATTEMPTS = 2  # to find the rest from what was found
 _CRUDE = 0.03  # relative Newton step that the first cycles may end with
 _ROUGH = 1e-3  # relative Newton step, squared by the next one, that guesses and turns may end with
 
@@ -55,14 +56,14 @@ def limit_cycles(
     Parameters
     ----------
     system : LureSystem
-        One system or a stack of them.
-    amplitudes : array_like, shape (m,), optional
+        One system or a stack of them, which are solved one by one.
+    amplitudes : array_like, shape (m,) or (..., m), optional
         Peak lateral displacements of the wheelset [m], rising. By default the whole branch: from
         the Hopf point to its end - a second fold at strong contact, another Hopf point, or 1.2
         delta - denser around contact.
     harmonics : int, optional
         The highest harmonic solved for. As many again follow from the forces. By default 15, and
-        31 or 63 where some cycles of the branch cannot do with less.
+        31 where some cycles of the branch cannot do with less.
     hopf : int, optional
         Index of the Hopf point the branch starts at; by default the hunting one, where the fastest
         unstable range begins.
@@ -73,7 +74,7 @@ def limit_cycles(
     -------
     Branch
         With Floquet multipliers. Cycles that were not found are left out, and `Branch.message`
-        says so.
+        says so. Those of a stack are padded with NaN to the longest.
 
     Raises
     ------
@@ -94,45 +95,93 @@ def limit_cycles(
         raise ValueError(f"harmonics must be an odd number >= 1, got {harmonics!r}")
     Y = None if amplitudes is None else checked_amplitudes(amplitudes)
     averaged = averaging(system, points, hopf)
-    if np.isnan(averaged.speed[0]):
-        return _none(system)
-    return _branch(system, averaged, Y, MORE_HARMONICS if harmonics is None else (int(harmonics),))
+    numbers = MORE_HARMONICS if harmonics is None else (int(harmonics),)
+    if not system.shape:
+        return _branch(system, averaged, Y, numbers)
+    points = hopf_points(system) if points is None else points
+    count = int(np.prod(system.shape))
+    Y = None if Y is None else np.broadcast_to(Y, (*system.shape, Y.shape[-1])).reshape(count, -1)
+    branches = []
+    for i in range(count):
+        one = system.take(i)
+        averaged = averaging(one, points.take(i), hopf)
+        branches.append(_branch(one, averaged, None if Y is None else Y[i], numbers))
+    return _stacked(system, branches)
+
+
+def _stacked(system: LureSystem, branches: list[Branch]) -> Branch:
+    """Return the branches as one, padded with NaN to the longest."""
+    longest = max(len(branch.speed) for branch in branches)
+    orders = max((branch.orders for branch in branches), key=len)
+
+    def padded(name: str, fill: complex) -> Array:
+        rows = [getattr(branch, name) for branch in branches]
+        out = np.full((len(rows), longest, *rows[0].shape[1:]), fill, dtype=rows[0].dtype)
+        for k, row in enumerate(rows):
+            out[k, : len(row)] = row
+        return out.reshape(*system.shape, *out.shape[1:])
+
+    def widened(branch: Branch) -> Branch:
+        none = len(orders) - len(branch.orders)
+        return replace(branch, harmonics=np.pad(branch.harmonics, ((0, 0), (0, none), (0, 0))))
+
+    branches = [widened(branch) for branch in branches]
+    folds = np.array([branch.fold or (np.nan, np.nan) for branch in branches])
+    return Branch(
+        amplitude=padded("amplitude", np.nan),
+        speed=padded("speed", np.nan),
+        frequency=padded("frequency", np.nan),
+        stable=padded("stable", False),
+        harmonics=padded("harmonics", np.nan),
+        orders=orders,
+        fold=(folds[:, 0].reshape(system.shape), folds[:, 1].reshape(system.shape)),
+        system=system,
+        multipliers=padded("multipliers", np.nan),
+        message=np.array([branch.message for branch in branches]).reshape(system.shape),
+    )
 
 
 def _branch(
     system: LureSystem, averaged: Averaging, Y: Array | None, harmonics: tuple[int, ...]
 ) -> Branch:
-    """Return the branch with the first of these numbers of harmonics that misses no cycle."""
+    """Return the branch with the first of these numbers of harmonics that does for all of it."""
+    if np.isnan(averaged.speed[0]):
+        return _none(system)
     delta = float(system.clearance)
     wanted = _default_amplitudes() * delta if Y is None else Y[Y > 0]
-    known = None
+    ports, right, left = Ports.of(system), averaged.right[0], averaged.left[0]
+    best, known = None, None
     for highest in harmonics:
-        orders = orders_up_to(highest)
-        balance = Balance(Ports.of(system), averaged.right[0], averaged.left[0], orders)
-        if known is None:
-            first = _first_cycles(balance, averaged, delta, wanted.max(initial=0.0))
-            known = first[first.converged]
-        else:
-            known = _kept(polished(balance, _solved(balance, known.cycles), trust=_CRUDE))
-        trusted = Y is None and len(known) >= len(_FREE) + _TOUCHING
-        known = _at(balance, averaged, known, delta, wanted)
-        if not trusted:
-            known = _kept(polished(balance, known))
-        found, note = known, ""
+        balance = Balance(ports, right, left, orders_up_to(highest))
+        cycles = _at(balance, averaged, known, delta, wanted, sure=Y is not None)
+        known = cycles
+        turned, crude = _with_turns(balance, cycles, delta)
+        found, note = turned, ""
         if Y is None:
-            found, note = _to_its_end(balance, known, averaged, delta)
-        lost = _missing(wanted[wanted <= found.cycles.Y.max(initial=0.0)], found)
-        if Y is not None:
-            lost = len(wanted) - len(found)
+            found, note = _to_its_end(balance, turned, averaged, delta)
+        else:
+            found = cycles
+        reached = wanted if Y is not None else wanted[wanted <= found.cycles.Y.max(initial=0.0)]
+        near = np.isclose(reached[:, None], found.cycles.Y, rtol=1e-9)
+        lost = len(reached) - int(near.any(axis=-1).sum())
         if lost:
             note = "; ".join(filter(None, [note, f"{lost} cycles were not found"]))
-        if not lost and not note.endswith(STUCK):
+        fold = _fold(turned if Y is not None else found, averaged)
+        best = (balance, averaged, found, fold, note)
+        if not lost and not crude and not note.startswith(STUCK):
             break
-    return _as_branch(balance, averaged, found, note)
+    assert best is not None
+    return _as_branch(*best)
 
 
-def _missing(wanted: Array, found: Solution) -> int:
-    return len(wanted) - int(np.isclose(wanted[:, None], found.cycles.Y, rtol=1e-9).any(-1).sum())
+def _fold(found: Solution, averaged: Averaging) -> tuple[float, float] | None:
+    """Return speed and amplitude of the slowest turn, if it is the slowest of all."""
+    turns = found.cycles[found.V_slope == 0]
+    V = turns.V.min(initial=np.inf)
+    slowest = (1 + _SLACK) * found.cycles.V.min(initial=np.inf)
+    if not (averaged.speed[0] > V and slowest > V):
+        return None
+    return float(V), float(turns.Y[np.argmin(turns.V)])
 
 
 def _kept(found: Solution) -> Solution:
@@ -144,9 +193,20 @@ def _solved(balance: Balance, guess: Cycles, tolerance: float = _ROUGH) -> Solut
 
 
 def _at(
-    balance: Balance, averaged: Averaging, known: Solution, delta: float, Y: Array
+    balance: Balance,
+    averaged: Averaging,
+    known: Solution | None,
+    delta: float,
+    Y: Array,
+    sure: bool,
 ) -> Solution:
-    """Return the cycles of amplitudes Y from those known; what is found helps to find the rest."""
+    """Return the cycles of amplitudes Y; what is known of them with fewer harmonics, helps."""
+    if known is None:
+        known = _first_cycles(balance, averaged, delta, Y.max(initial=0.0))
+        sure = sure or len(known) < len(_FREE) + _TOUCHING
+    else:
+        known = _kept(polished(balance, _solved(balance, known.cycles), trust=_CRUDE))
+        sure = True
     found = _solved(balance, _between(balance, averaged, known, delta, Y))
     for _ in range(_ATTEMPTS):
         rest = Y[~np.isin(Y, found.cycles.Y)]
@@ -157,22 +217,25 @@ def _at(
             break
         found = found.joined(more)
         found = found[np.argsort(found.cycles.Y, kind="stable")]
-    return found
+    return _kept(polished(balance, found)) if sure else found
 
 
-def _with_turns(balance: Balance, found: Solution, delta: float) -> Solution:
-    """Return the cycles with those at the folds between them, whose slope is zero."""
+def _with_turns(balance: Balance, found: Solution, delta: float) -> tuple[Solution, bool]:
+    """Return the cycles with those at the folds between them, whose slope is zero.
+
+    The second answer is whether higher harmonics matter at the folds.
+    """
     slope, forth = found.V_slope / found.Y_slope, found.Y_slope > 0
     turns = (slope[:-1] > 0) != (slope[1:] > 0)
     left = np.flatnonzero(turns & (forth[:-1] == forth[1:]))
-    below = left + ~forth[left]
-    above = left + forth[left]
+    below, above = left + ~forth[left], left + forth[left]
     found = replace(found, V_slope=slope, line=at_amplitude(found.cycles.Y))
-    folds = closed_in(balance, found[below], found[above], np.full(len(left), delta))
-    folds = polished(balance, folds)
-    folds = replace(folds, V_slope=np.zeros(len(left)))
+    rough = closed_in(balance, found[below], found[above], np.full(len(left), delta))
+    folds = replace(polished(balance, rough), V_slope=np.zeros(len(left)))
+    change = np.abs(folds.cycles.V / rough.cycles.V - 1)[folds.converged]
     place = np.concatenate([np.arange(len(found)), left[folds.converged] + 0.5])
-    return found.joined(folds[folds.converged])[np.argsort(place)]
+    turned = found.joined(_kept(folds))[np.argsort(place)]
+    return turned, not folds.converged.all() or bool((change > CRUDE_FOLD).any())
 
 
 def _to_its_end(
@@ -181,19 +244,27 @@ def _to_its_end(
     """Return the branch cut at its second fold, or completed where its amplitude turns back."""
     if len(found) < 2:
         return found, "no limit cycle was found"
-    found = _with_turns(balance, found, delta)
-    Y, V = found.cycles.Y, found.cycles.V
-    peak = (found.V_slope[1:-1] == 0) & (Y[1:-1] > delta) & (V[1:-1] > V[:-2])
+    Y, slope = found.cycles.Y, found.V_slope
+    peak = (slope[1:-1] == 0) & (Y[1:-1] > delta) & (slope[:-2] > 0)
     if peak.any():
         last = int(np.argmax(peak)) + 1
         return found[: last + 1], "the branch ends at a second fold, beyond which motions run away"
     if Y[-1] > 0.999 * REACH * delta:
         return found, ""
-    found, note = continued(balance, found[found.V_slope != 0], averaged, REACH * delta)
-    return _with_turns(balance, _kept(polished(balance, found)), delta), note
+    found, note = continued(balance, found[slope != 0], averaged, REACH * delta)
+    sure = polished(balance, found)
+    if not sure.converged[-1]:
+        note = STUCK
+    return _with_turns(balance, _kept(sure), delta)[0], note
 
 
-def _as_branch(balance: Balance, averaged: Averaging, found: Solution, note: str) -> Branch:
+def _as_branch(
+    balance: Balance,
+    averaged: Averaging,
+    found: Solution,
+    fold: tuple[float, float] | None,
+    note: str,
+) -> Branch:
     """Return the branch of the cycles found, the Hopf point in front."""
     answer, states = completed(balance, found)
     system, cycles = balance.ports.system, found.cycles
@@ -201,10 +272,6 @@ def _as_branch(balance: Balance, averaged: Averaging, found: Solution, note: str
     V_c, omega_c = averaged.speed, averaged.frequency
     at_hopf = np.exp(2 * np.pi / omega_c * np.linalg.eigvals(system.matrix(V_c)[0]))
     stable: Array = np.all(np.abs(half[:, 1:]) < 1, axis=-1)
-    lowest = int(np.argmin(cycles.V)) if len(found) else -1
-    fold = None
-    if lowest >= 0 and found.V_slope[lowest] == 0 and cycles.V[lowest] < V_c[0]:
-        fold = (float(cycles.V[lowest]), float(cycles.Y[lowest]))
     return Branch(
         amplitude=np.append(0.0, cycles.Y),
         speed=np.append(V_c, cycles.V),
@@ -245,7 +312,7 @@ def _first_cycles(balance: Balance, averaged: Averaging, delta: float, largest: 
     one = Balance(balance.ports, balance.right, balance.left, orders_up_to(1))
     guess = solve(one, guess, at_amplitude(Y), tolerance=0.5).cycles
     first = solve(balance, guess, at_amplitude(Y), tolerance=_CRUDE)
-    return polished(balance, first[first.converged], trust=_CRUDE)
+    return _kept(polished(balance, _kept(first), trust=_CRUDE))
 
 
 def _between(

@@ -14,14 +14,13 @@ import numpy as np
 
 from hunting.bogoliubov import REACH, Averaging
 from hunting.elements import Array
-from hunting.folds import FREE, turning_amplitude
+from hunting.folds import CRUDE_FOLD, FREE, closed_in
 from hunting.harmonic_balance import Balance, Cycles, Solution, at_amplitude, polished, solve
 from hunting.lure import LureSystem
 from hunting.ports import Ports, orders_up_to
 
 _ROUGH = 1e-4  # relative Newton step, squared by the next one, that intermediate cycles end with
-_CLOSE = 1e-7  # relative change of the fold's speed still possible in the bracket
-_ROUNDS = 20
+_NEAR, _CAREFUL = 1e-3, 1.4  # relative excess, and the factor it grows by, on second thoughts
 _SHORTEST = 3e-3  # stride in amplitude, over the amplitude wanted
 _STRIDE_CHANGE = 0.3  # largest relative change of speed that still is the same branch
 
@@ -77,13 +76,20 @@ def slowest_cycles(
 
     # A branch that turns more than once, or where averaging says otherwise, is none of ours.
     missed = ~found | (falls & (a_fold < 0.99 * delta))
-    missed |= ~falls & ~subcritical & np.isfinite(a_fold)
+    missed |= ~subcritical & (falls | np.isfinite(a_fold))
     V, Y = rest.cycles.V.copy(), np.zeros(len(delta))
     grazing = np.flatnonzero(~missed & falls)
     smooth = np.flatnonzero(~missed & ~falls & subcritical)
     low, high = _around_contact(
         balance.take(grazing), touch[grazing], a_fold[grazing] / delta[grazing]
     )
+    # Strides of a factor 9 in excess may step over a fold and the one above it.
+    again = np.flatnonzero(high.converged & ~(high.V_slope > 0))
+    which = grazing[again]
+    nearer = np.full(len(again), 1 + _NEAR)
+    again_low, again_high = _around_contact(balance.take(which), touch[which], nearer, _CAREFUL)
+    low.put(again, again_low)
+    high.put(again, again_high)
     sides = (rest[smooth].joined(low), touch[smooth].joined(high))
     which = np.concatenate([smooth, grazing])
     rising = sides[1].V_slope > 0
@@ -91,9 +97,10 @@ def slowest_cycles(
     missed[which[~sides[1].converged]] = True
 
     which, sides = which[rising], (sides[0][rising], sides[1][rising])
-    folds = _closed_in(balance.take(which), *sides, delta[which])
+    folds = closed_in(balance.take(which), *sides, delta[which])
     final = polished(balance.take(which), folds)
-    missed[which[~final.converged]] = True
+    crude = np.abs(final.cycles.V / folds.cycles.V - 1) > CRUDE_FOLD
+    missed[which[crude | ~final.converged]] = True
     slower = V[which] > final.cycles.V
     V[which[slower]], Y[which[slower]] = final.cycles.V[slower], final.cycles.Y[slower]
     return Slowest(V, Y, missed)
@@ -149,16 +156,17 @@ def _walked(balance: Balance, rest: Solution, Y: Array) -> Solution:
 
 
 def _around_contact(
-    balance: Balance, touch: Solution, expected: Array
+    balance: Balance, touch: Solution, expected: Array, stride: float = 9.0
 ) -> tuple[Solution, Solution]:
     """Return cycles on both sides of a grazing fold, given where averaging expects it.
 
-    The second one is still falling where there is no fold up to 1.2 delta.
+    The excess over the clearance grows by the factor `stride` until speed rises. The second one is
+    still falling where there is no fold up to 1.2 delta.
     """
     delta = touch.cycles.Y / FREE
     low, high = touch.copy(), touch.copy()
     excess = np.clip(np.nan_to_num(4 * (expected - 1), nan=np.inf), 1e-6, REACH - 1)
-    reached, factor = np.zeros(len(delta)), np.full(len(delta), 9.0)
+    reached, factor = np.zeros(len(delta)), np.full(len(delta), stride)
     going = np.arange(len(delta))
     while len(going):
         Y = delta[going] * (1 + excess[going])
@@ -176,36 +184,3 @@ def _around_contact(
         high.converged[going[lost & ~ok]] = False
         going = going[~(ok & (tried.V_slope > 0)) & ~last & ~lost]
     return low, high
-
-
-def _closed_in(balance: Balance, low: Solution, high: Solution, delta: Array) -> Solution:
-    """Return the cycles at the folds between falling and rising ones."""
-    best = low.copy()
-    going = np.arange(len(delta))
-    for round_ in range(_ROUNDS):
-        a, b = low[going], high[going]
-        Y = _turning(a, b, delta[going])
-        if round_ % 3 == 2:  # a bend that the cubic keeps missing
-            Y = 0.5 * (a.cycles.Y + b.cycles.Y)
-        share = (Y - a.cycles.Y) / (b.cycles.Y - a.cycles.Y)
-        guess = replace(a.cycles.towards(b.cycles, share), Y=Y)
-        tried = solve(balance.take(going), guess, at_amplitude(Y), tolerance=_ROUGH)
-        best.put(going, tried)
-        falls = tried.V_slope < 0
-        low.put(going[falls], tried[falls])
-        high.put(going[~falls], tried[~falls])
-        still = np.abs(tried.V_slope * (_turning(low[going], high[going], delta[going]) - Y))
-        going = going[tried.converged & (still > _CLOSE * tried.cycles.V)]
-        if len(going) == 0:
-            break
-    best.converged[going] = False
-    return best
-
-
-def _turning(low: Solution, high: Solution, delta: Array) -> Array:
-    return turning_amplitude(
-        np.array([low.cycles.Y, high.cycles.Y]),
-        np.array([low.cycles.V, high.cycles.V]),
-        np.array([low.V_slope, high.V_slope]),
-        delta,
-    )
