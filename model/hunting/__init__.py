@@ -11,6 +11,7 @@ from hunting.branch import Branch, LimitCycle, Motion
 from hunting.cases import Cancelled
 from hunting.claims import Claim, claims
 from hunting.critical_speeds import CriticalSpeeds, critical_speeds
+from hunting.design import Design, design
 from hunting.elements import DeadbandSpring, PolynomialDamper
 from hunting.limit_cycles import limit_cycles
 from hunting.lure import Connection, LureSystem, State
@@ -20,6 +21,7 @@ from hunting.simulation import Decay, SpeedRamp, Trajectory, decays, simulate, s
 from hunting.stability import HopfPoints, damping_ratios, eigenvalues, hopf_points
 from hunting.study import Figure, figure
 from hunting.sweeps import Sweep, sweep
+from hunting.uncertainty import Indices, Uncertainty, uncertainty
 from hunting.vehicles import bogie, wheelset
 
 __all__ = [
@@ -33,9 +35,11 @@ __all__ = [
     "CriticalSpeeds",
     "DeadbandSpring",
     "Decay",
+    "Design",
     "Field",
     "Figure",
     "HopfPoints",
+    "Indices",
     "LimitCycle",
     "LureSystem",
     "Motion",
@@ -46,6 +50,7 @@ __all__ = [
     "State",
     "Sweep",
     "Trajectory",
+    "Uncertainty",
     "averaged_branch",
     "averaging",
     "bogie",
@@ -53,6 +58,7 @@ __all__ = [
     "critical_speeds",
     "damping_ratios",
     "decays",
+    "design",
     "eigenvalues",
     "figure",
     "hopf_points",
@@ -61,5 +67,6 @@ __all__ = [
     "simulate",
     "speed_ramp",
     "sweep",
+    "uncertainty",
     "wheelset",
 ]
