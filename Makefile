@@ -2,19 +2,24 @@
 # make test     everything that CI checks
 # make bench    timings, each beside its yardstick
 # make verify   the program against independent programs: writes docs/verification.md
+# make image    the web demo's container image, with a check of it (docker or podman)
+# make demo     that container, running
+# make lock     the newest versions for the image, with their hashes
 #
 #   PYTHON=/path/to/python3   the interpreter for the virtual environment (default: first >= 3.11)
 #   VENV=.venv                where that environment is
 #   PORT=5006                 where the dashboard answers
+#   ENGINE=docker             what builds and runs containers (default: podman if there is no docker)
 
 VENV ?= .venv
 PORT ?= 5006
+ENGINE ?= $(shell command -v docker || command -v podman || echo docker)
 export VENV PYTHON PORT
 
 python = $(VENV)/bin/python
 
 .DEFAULT_GOAL := help
-.PHONY: help serve test bench verify lint clean
+.PHONY: help serve test bench verify lint image demo lock clean
 
 help:
 	@sed -n 's/^# \{0,1\}//p; /^$$/q' Makefile
@@ -47,6 +52,17 @@ lint:
 	@$(python) -m ruff format --check
 	@echo "==> mypy"
 	@$(python) -m mypy
+
+image:
+	@sh deploy/build.sh "$(ENGINE)"
+
+demo: image
+	@echo "==> serving the dashboard at http://localhost:$(PORT) (Ctrl+C stops it)"
+	@$(ENGINE) run --rm --init --read-only --cap-drop ALL --security-opt no-new-privileges \
+		--memory 512m --publish "$(PORT):5006" bogie-hunting
+
+lock:
+	@sh tools/lock.sh
 
 clean:
 	rm -rf $(VENV) build dist .mypy_cache .pytest_cache .ruff_cache .hypothesis .benchmarks test-results

@@ -52,10 +52,11 @@ class Target:
                 answer += piece
         return answer
 
-    def get(self, place: str, *headers: str, method: str = "GET") -> bytes:
+    def get(self, place: str, *headers: str, method: str = "GET", seconds: float = 60) -> bytes:
         """Ask for a page."""
         lines = [f"{method} {self.path}{place} HTTP/1.1", f"Host: {self.name}", *headers]
-        return self.say("\r\n".join([*lines, "Connection: close", "", ""]).encode())
+        raw = "\r\n".join([*lines, "Connection: close", "", ""]).encode()
+        return self.say(raw, seconds)
 
     def status(self, place: str, *headers: str, method: str = "GET") -> int:
         """Return the status of the answer, 0 if there was none."""
@@ -109,6 +110,14 @@ def message(kind: str, content: object) -> bytes:
     return b"".join(frame(TEXT, json.dumps(part).encode()) for part in (header, {}, content))
 
 
+def heard(line: socket.socket, word: bytes) -> None:
+    """Read until a word has come."""
+    told = b""
+    while word not in told:
+        told += (piece := line.recv(65536))
+        assert piece, f"the line was closed before {word!r} came, after {told[:80]!r}"
+
+
 def drained(line: socket.socket) -> bytes:
     """Return what comes until the other side closes."""
     got = b""
@@ -159,18 +168,22 @@ def oversized_and_malformed_headers(it: Target) -> None:
 
 
 def scripts_in_values_are_never_echoed(it: Target) -> None:
-    """Neither the page nor the document that its websocket carries holds one as it was sent."""
-    for name in ("Ky", "vehicle", "preset", SCRIPT, "theme", "bokeh-app-path"):
+    """The page never holds one as it was sent."""
+    for name in ("Ky", "vehicle", SCRIPT):
         for value in (
             SCRIPT,
             '"><img src=x onerror=alert(1)>',
             "</script>" + SCRIPT,
-            "${7*7}{{7*7}}",
+            "${1}{{1234567*7}}",
         ):
-            answer = it.get(f"/?{quote(name)}={quote(value)}")
-            assert status(answer) in {200, 400, 403, 503}, answer[:80]
+            for _ in range(30):
+                answer = it.get(f"/?{quote(name)}={quote(value)}")
+                if status(answer) != 503:
+                    break
+                time.sleep(1)
+            assert status(answer) == 200, answer[:80]
             assert value.encode() not in answer, (name, value)
-            assert b"49" not in answer.partition(b"\r\n\r\n")[2] or "7*7" not in value
+            assert b"8641969" not in answer, "a template was filled in"
 
 
 def uploads(it: Target) -> None:
@@ -209,7 +222,7 @@ def malformed_websocket_frames(it: Target) -> None:
             drained(line)
     token = it.visit()
     with it.websocket(token) as inside:  # an honest visitor who must notice nothing
-        assert status(inside.recv(4096)) == 101
+        heard(inside, b"ACK")
         for raw in (
             frame(TEXT, b"no json") * 3, frame(TEXT, b"\xff\xfe") * 3, frame(BINARY, b"\0" * 99),
             frame(TEXT, b"{}") * 3, message("PATCH-DOC", {"events": [{"kind": "x"}]}),
@@ -219,16 +232,13 @@ def malformed_websocket_frames(it: Target) -> None:
             frame(TEXT, b"x" * 60_000, final=False) * 50, os.urandom(5000),
         ):  # fmt: skip
             with it.websocket(token) as line:
-                line.settimeout(3)
+                heard(line, b"ACK")
+                line.settimeout(1)
                 with contextlib.suppress(OSError):
                     line.sendall(raw)
                 drained(line)
         inside.sendall(message("SERVER-INFO-REQ", {}))
-        inside.settimeout(10)
-        told = b""
-        while b"SERVER-INFO-REPLY" not in told:
-            told += (piece := inside.recv(65536))
-            assert piece, "the honest visitor was sent away"
+        heard(inside, b"SERVER-INFO-REPLY")
 
 
 def who_reads_nothing_costs_little(it: Target) -> None:
@@ -237,6 +247,7 @@ def who_reads_nothing_costs_little(it: Target) -> None:
     before = it.memory() if it.pid else 0
     asked = 0
     with it.websocket(token) as line:
+        heard(line, b"ACK")
         line.settimeout(2)
         with contextlib.suppress(OSError):
             while asked < 2000:
@@ -318,7 +329,9 @@ def main() -> None:
         name = check.__name__.replace("_", " ")
         memory = f", {it.memory():.0f} MB" if it.pid and Path(f"/proc/{it.pid}").exists() else ""
         took = time.monotonic() - began
-        print(f"{'FAIL' if trouble else 'ok  '} {name} ({took:.1f} s{memory}){trouble}", flush=True)
+        print(  # noqa: T201
+            f"{'FAIL' if trouble else 'ok  '} {name} ({took:.1f} s{memory}){trouble}", flush=True
+        )
     sys.exit(1 if failed else 0)
 
 

@@ -8,20 +8,21 @@ import resource
 import signal
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import panel as pn
 from bokeh.application.handlers.handler import Handler
 from bokeh.events import ConnectionLost
 from bokeh.models import CustomJS
 from bokeh.server.server import BaseServer
+from panel.io.application import build_applications
+from tornado.httpserver import HTTPServer
+from tornado.ioloop import IOLoop
+
 from demo.gate import KIB, LARGEST_MESSAGE, Gate
 from demo.log import LOG, start_logging
 from demo.settings import Settings
 from hunting_app import dashboard
-from panel.io.application import build_applications
-from tornado.httpserver import HTTPServer
-from tornado.ioloop import IOLoop
 
 if TYPE_CHECKING:
     from bokeh.application.application import SessionContext
@@ -33,7 +34,7 @@ TITLE = "bogie hunting"
 
 def page() -> pn.viewable.Viewable:
     """Return the dashboard of one visitor, which loads anew when its connection is lost."""
-    document = pn.state.curdoc
+    document: Document = pn.state.curdoc
     # Bokeh would go on with the values the page was loaded with, or not at all.
     document.config.update(
         reconnect_session=False, notifications=None, notify_connection_status=False
@@ -43,10 +44,10 @@ def page() -> pn.viewable.Viewable:
         return dashboard()
     except Exception:  # Panel would show, and print, the traceback
         LOG.exception("the dashboard did not start")
-        return pn.pane.Markdown("The dashboard could not be started. Please tell who runs it.")
+        return pn.Column("The dashboard could not be started. Please tell who runs it.")
 
 
-class Visits(Handler):
+class Visits(Handler):  # type: ignore[misc]
     """Logs when visitors come and go."""
 
     gate: Gate
@@ -55,7 +56,8 @@ class Visits(Handler):
         """Change nothing."""
 
     async def on_session_created(self, session_context: SessionContext) -> None:
-        """Log that one came."""
+        """Log that one came, and tell the gate."""
+        self.gate.has_come()
         LOG.info("session opened, %d before it", self.gate.visitors)
 
     async def on_session_destroyed(self, session_context: SessionContext) -> None:

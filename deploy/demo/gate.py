@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import time
+from collections import deque
 from typing import TYPE_CHECKING, Any
 
 from bokeh.server.tornado import BokehTornado
 from bokeh.util.token import get_session_id
+from tornado.web import OutputTransform, RequestHandler
+
 from demo.log import LOG
 from demo.settings import Settings, origin
-from tornado.web import OutputTransform, RequestHandler
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -19,6 +22,10 @@ if TYPE_CHECKING:
 KIB = 1024
 LONGEST_ADDRESS = 4 * KIB  # a link with every parameter changed has some 600 characters
 LARGEST_MESSAGE = 256 * KIB  # a slider's move is some 300 bytes
+WAIT = 5  # s
+GONE = 60  # s after which someone let in has gone away without a session
+MOST_COMING = 10  # a new session takes a third of a second, in which those inside wait
+AGAIN = f"This page tries again by itself every {WAIT} seconds; the values in its address are kept."
 # Bokeh compiles callbacks in the browser and Panel imports components from blobs.
 HEADERS = {
     "Content-Security-Policy": "default-src 'self'; "
@@ -43,11 +50,13 @@ PAGE = """<!doctype html>
 """
 
 
-class Gate(BokehTornado):
+class Gate(BokehTornado):  # type: ignore[misc]
     """Serves one application; knows how many visitors there are and who may not come in."""
 
     def __init__(self, application: Application, settings: Settings) -> None:
         self.chosen = settings
+        # When those were let in whose session has not begun: many may arrive in one moment.
+        self._coming: deque[float] = deque()
         super().__init__(
             {"/": application},
             prefix=settings.prefix,
@@ -57,7 +66,9 @@ class Gate(BokehTornado):
             # Nothing of the visitor goes into the session but the choice of light or dark.
             include_headers=[],
             include_cookies=["hunting-dark"],
-            check_unused_sessions_milliseconds=2000,
+            # Who comes back later gets a new session from the address.
+            unused_session_lifetime_milliseconds=5000,
+            check_unused_sessions_milliseconds=1000,
             websocket_max_message_size_bytes=LARGEST_MESSAGE,
             # A visitor who reads nothing any more is sent away.
             websocket_ping_interval=20,
@@ -90,10 +101,29 @@ class Gate(BokehTornado):
         if place == "/ws" and not self._has_allowed_origin(request.headers):
             LOG.warning("refused: a websocket from a page of another origin")
             return 403, "Pages of other origins may not use this demo."
-        if place in ("", "/", "/ws") and self._is_full(request):
-            LOG.warning("refused: all %d places are taken", self.chosen.session_limit)
-            return 503, self._full()
+        if place in ("", "/", "/ws") and not self._has_session(request):
+            return self._no_room()
         return None
+
+    def _no_room(self) -> tuple[int, str] | None:
+        while self._coming and self._coming[0] < time.monotonic() - GONE:
+            self._coming.popleft()
+        sessions = self.get_sessions("/")
+        limit = self.chosen.session_limit
+        if len(sessions) + len(self._coming) >= limit:
+            LOG.warning("refused: all %d places are taken", limit)
+            return 503, f"All {limit} places of this demo are taken just now. {AGAIN}"
+        loading = sum(session.connection_count == 0 for session in sessions)
+        if loading + len(self._coming) >= MOST_COMING:
+            LOG.warning("refused: %d pages are still loading", MOST_COMING)
+            return 503, f"Many visitors are coming in at this moment. {AGAIN}"
+        self._coming.append(time.monotonic())
+        return None
+
+    def has_come(self) -> None:
+        """Take note that a session begins for someone who was let in."""
+        if self._coming:
+            self._coming.popleft()
 
     def _has_allowed_origin(self, headers: Mapping[str, str]) -> bool:
         came_from = headers.get("Origin")
@@ -106,15 +136,6 @@ class Gate(BokehTornado):
         if self.chosen.allowed_origins:
             return came_from in self.chosen.allowed_origins
         return came_from in {origin(f"{s}://{headers.get('Host')}") for s in ("http", "https")}
-
-    def _full(self) -> str:
-        return (
-            f"All {self.chosen.session_limit} places of this demo are taken just now. This page "
-            "tries again by itself every 15 seconds; the values in its address are kept."
-        )
-
-    def _is_full(self, request: HTTPServerRequest) -> bool:
-        return self.visitors >= self.chosen.session_limit and not self._has_session(request)
 
     def _has_session(self, request: HTTPServerRequest) -> bool:
         """Say whether a websocket belongs to a page that has been let in."""
@@ -147,8 +168,8 @@ class Refusal(RequestHandler):
         self.set_header("Cache-Control", "no-store")
         again = ""
         if self.status == 503:
-            self.set_header("Retry-After", "15")
-            again = '<meta http-equiv="refresh" content="15">'
+            self.set_header("Retry-After", str(WAIT))
+            again = f'<meta http-equiv="refresh" content="{WAIT}">'
         self.finish(PAGE.format(again=again, said=self.said))
 
 

@@ -18,7 +18,7 @@ LOG = logging.getLogger("demo")
 class OneLine(logging.Formatter):
     """Time, level, event; of a library's record where it came from instead of its text."""
 
-    converter = time.gmtime
+    converter = staticmethod(time.gmtime)
     default_msec_format = "%s.%03dZ"
     default_time_format = "%Y-%m-%dT%H:%M:%S"
 
@@ -36,10 +36,29 @@ class OneLine(logging.Formatter):
         return f"{self.formatTime(record)} {record.levelname.lower()} {said}"
 
 
+class Seldom(logging.Filter):
+    """Lets an event that comes again and again through once in ten seconds."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._last: dict[tuple[str, int], float] = {}
+
+    def filter(self, record: logging.LogRecord) -> bool:
+        """Say whether a record is logged; what went well always is."""
+        place = record.pathname, record.lineno
+        if record.levelno < logging.WARNING:
+            return True
+        if record.created - self._last.get(place, 0) < 10:
+            return False
+        self._last[place] = record.created
+        return True
+
+
 def start_logging() -> None:
     """Send this program's events and the libraries' warnings to standard output."""
     handler = logging.StreamHandler(sys.stdout)
     handler.setFormatter(OneLine())
+    handler.addFilter(Seldom())
     for name in ("panel", "bokeh", "tornado", "asyncio"):
         library = logging.getLogger(name)
         library.handlers.clear()
