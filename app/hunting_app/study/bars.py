@@ -124,6 +124,7 @@ def bars(
         height=height,
         xlabel=axis,
         ylabel="",
+        title="",
         yticks=list(zip(places, labels, strict=True)),
         ylim=(-count + 0.4, 0.6),
         legend_position="top",

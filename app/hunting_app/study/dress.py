@@ -6,8 +6,9 @@ from collections.abc import Callable
 from typing import Any
 
 import holoviews as hv
+import numpy as np
 import panel as pn
-from bokeh.models import ColorBar, CustomJSTickFormatter, FixedTicker, LogTicker
+from bokeh.models import ColorBar, CustomJSTickFormatter, FixedTicker, LogAxis
 
 from hunting.parameters import Field
 from hunting_app.palette import DARK, Palette
@@ -65,10 +66,10 @@ def dressed(colours: Palette, name: str, described: str) -> Hook:
                 major_tick_line_color=colours.faint,
                 minor_tick_line_color=None,
             )
-            if not isinstance(axis.ticker, FixedTicker):
-                axis.formatter = CustomJSTickFormatter(code=_WRITTEN)
-            if isinstance(axis.ticker, LogTicker):
-                axis.ticker = LogTicker(mantissas=[1, 2, 5])
+            axis.formatter = CustomJSTickFormatter(code=_WRITTEN)
+            if isinstance(axis, LogAxis):
+                ends = figure.x_range if axis in figure.xaxis else figure.y_range
+                axis.ticker = FixedTicker(ticks=_steps(ends.start, ends.end))
         for grid in figure.grid:
             grid.grid_line_color = colours.grid
         for legend in figure.legend:
@@ -97,6 +98,13 @@ def dressed(colours: Palette, name: str, described: str) -> Hook:
             )
 
     return dress
+
+
+def _steps(low: float, high: float) -> list[float]:
+    """Return round numbers for a logarithmic axis."""
+    decades = np.arange(np.floor(np.log10(low)), np.ceil(np.log10(high)) + 1)
+    ticks = np.outer(10.0**decades, [1.0, 2.0, 5.0]).ravel()
+    return ticks[(0.999 * low <= ticks) & (ticks <= 1.001 * high)].tolist()
 
 
 def shown(element: Any, height: int) -> pn.pane.HoloViews:

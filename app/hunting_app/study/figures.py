@@ -18,7 +18,7 @@ from hunting_app.study.dress import dressed, named, ramp, shown
 from hunting_app.study.section import Section, block, download, markup
 
 NUMBERS = tuple(range(4, 15))
-_HEIGHT = 340
+_HEIGHT = 370
 
 
 class Figures(Section):
@@ -147,9 +147,12 @@ def family(one: Figure, colours: Palette) -> hv.Overlay:
     parts: list[Any] = [hv.VLine(present).opts(color=colours.faint, line_width=1)]
     for k, colour in enumerate(ramp(colours)):
         label = f"K_y = {K_y[k] / 1e3:.3g} kN/m"
-        for speeds, dash in ((sweep.linear, "solid"), (sweep.nonlinear, "dashed")):
-            curve = hv.Curve((x, KMH * speeds[k]), "x", "V", label=label)
+        for speeds, dash, name in ((sweep.linear, "solid", label), (sweep.nonlinear, "dashed", "")):
+            curve = hv.Curve((x, KMH * speeds[k]), "x", "V", label=name)
             parts.append(curve.opts(color=colour, line_dash=dash, line_width=2.2))
+    for name, dash in (("V_lin, linear", "solid"), ("V_nl, nonlinear", "dashed")):
+        key = hv.Curve((x[:1], [np.nan]), "x", "V", label=name)
+        parts.append(key.opts(color=colours.ink, line_dash=dash, line_width=2.2))
     top = KMH * float(np.nanmax([sweep.linear, sweep.nonlinear], initial=0.0))
     return hv.Overlay(parts).opts(
         hv.opts.Curve(tools=["hover"]),

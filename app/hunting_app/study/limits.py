@@ -41,7 +41,7 @@ class Limits(Section):
     def __init__(self, *arguments: Any) -> None:
         super().__init__(*arguments)
         self.spread = number("limits, ± [%]", 10.0, 0.1, 95.0)
-        self.operating = number("operating speed [km/h]", 120.0, 1.0, 1440.0, 5.0)
+        self.operating = number("operating speed [km/h]", 130.0, 1.0, 1440.0, 5.0)
         self.samples = select("samples", _SAMPLES, 10_000)
         self.method = select("method", METHODS, "averaging")
         self.names = ticks("uncertain parameters", _KNOWN_BADLY)

@@ -8,6 +8,7 @@ from typing import Any
 
 import holoviews as hv
 import numpy as np
+from bokeh.models import GlyphRenderer, Quad
 from holoviews.operation import contours
 
 from hunting import Sweep, sweep
@@ -139,9 +140,8 @@ def speed_map(found: Sweep, quantity: str, colours: Any) -> tuple[hv.Overlay, hv
     mesh = mesh.opts(
         cmap="viridis",
         colorbar=True,
-        tools=["hover", "tap"],
+        tools=["hover"],
         clabel=_TITLES[quantity],
-        hooks=[_close_seams],
     )
     parts: list[Any] = [mesh]
     for k, where in enumerate(reasons(values, found.message).values()):
@@ -163,15 +163,16 @@ def speed_map(found: Sweep, quantity: str, colours: Any) -> tuple[hv.Overlay, hv
         xlim=(float(x[0]), float(x[-1])),
         ylim=(float(y[0]), float(y[-1])),
         show_legend=False,
-        hooks=[dressed(colours, "map", f"Map of the {_TITLES[quantity]}")],
+        hooks=[dressed(colours, "map", f"Map of the {_TITLES[quantity]}"), _close_seams],
     )
     return overlay, mesh
 
 
 def _close_seams(plot: Any, _element: Any) -> None:
     """Let no paper shine through between the cells."""
-    glyph = plot.handles["glyph"]
-    glyph.update(line_color=glyph.fill_color, line_width=1)
+    for renderer in plot.state.select({"type": GlyphRenderer}):
+        if isinstance(renderer.glyph, Quad):
+            renderer.glyph.update(line_color=renderer.glyph.fill_color, line_width=1, line_alpha=1)
 
 
 def _lines(mesh: hv.QuadMesh, values: Array) -> list[Any]:

@@ -74,7 +74,7 @@ class Target(Section):
             f"<tr><th>{escape(FIELDS[n].label)} {FIELDS[n].symbol}</th>"
             f"<td>{written(getattr(self.parameters, n))}</td>"
             f"<td>{written(float(f'{getattr(found.parameters, n):.5g}'))}</td>"
-            f"<td>{escape(FIELDS[n].unit)}</td><td>{100 * found.changes[n]:+.2f} %</td></tr>"
+            f"<td>{escape(FIELDS[n].unit)}</td><td>{_signed(100 * found.changes[n])} %</td></tr>"
             for n in order
         )
         self.said.html = (
@@ -106,3 +106,7 @@ class Target(Section):
                 "change [%]": [100 * found.changes[n] for n in names],
             }
         )
+
+
+def _signed(percent: float) -> str:
+    return f"{percent:+.2f}".replace("-", "−")
