@@ -112,6 +112,7 @@ def shown(element: Any, height: int) -> pn.pane.HoloViews:
     return pn.pane.HoloViews(
         element,
         height=height,
+        min_height=height,
         sizing_mode="stretch_width",
         linked_axes=False,  # each figure has its own
         backend="bokeh",
