@@ -55,7 +55,11 @@ class Session:
         self.sidebar = Sidebar(self.act_all)
         self._show()
         self.explore = Explore(self.state, self.act)
-        self.pages = {"explore": block("page", self.sidebar, self.explore), "model": block("page")}
+        self.pages = {
+            "explore": block("page", self.sidebar, self.explore),
+            "study": block("page"),
+            "model": block("page"),
+        }
         self.root = block("root", self.header, *self.pages.values())
         self._turn_page()
         self._choose_scheme()
@@ -127,8 +131,13 @@ class Session:
     def _turn_page(self) -> None:
         if self.state.page == "model" and not len(self.pages["model"]):
             self.pages["model"].append(Html(html=model_page(), css_classes=["whole"]))
+        if self.state.page == "study" and not len(self.pages["study"]):
+            from hunting_app.study_page import StudyPage  # takes HoloViews along: a second
+
+            self.pages["study"].append(StudyPage(self.state, self.act))
         for name, page in self.pages.items():
             page.visible = name == self.state.page
+            page.css_classes = ["page"] if page.visible else []  # its layout would show it again
 
     def _choose_scheme(self) -> None:
         self.root.styles = {"color-scheme": "dark" if self.state.dark else "light"}

@@ -36,7 +36,7 @@ PRESETS = {
 }
 VEHICLES = {"bogie": ("bogie",), "wheelset": ("wheelset",), "both": ("bogie", "wheelset")}
 CURVES = ("damping", "locus")
-PAGES = {"explore": "Explore", "model": "Model"}
+PAGES = {"explore": "Explore", "study": "Study", "model": "Model"}
 
 FIELDS = {field.name: field for field in Parameters.fields()}
 SPEED = Field(
