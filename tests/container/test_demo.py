@@ -40,7 +40,8 @@ def test_a_setting_that_makes_no_sense_is_refused_by_name(name: str, value: str)
     ended = subprocess.run(arguments, env=environment, capture_output=True, text=True, cwd=DEPLOY)
     assert ended.returncode == 1
     (line,) = ended.stderr.splitlines()
-    assert line.startswith(f"error: {name} must be") and repr(value) in line
+    assert line.startswith(f"error: {name} must be")
+    assert repr(value) in line
 
 
 # How many moves of sliders the server has answered with new data.
@@ -70,7 +71,8 @@ def test_who_comes_over_the_limit_reads_why_and_those_inside_go_on(
     inside = opened(new_page(), served.url)
     code, text = ask(f"{served.url}/?Ky=1e5")
     assert code == 503
-    assert "All 1 places of this demo are taken" in text and 'http-equiv="refresh"' in text
+    assert "All 1 places of this demo are taken" in text
+    assert 'http-equiv="refresh"' in text
     before = inside.evaluate(ANSWERED)
     slider(inside)
     assert inside.evaluate(ANSWERED) > before

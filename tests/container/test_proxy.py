@@ -77,9 +77,13 @@ def test_page_link_and_downloads_work_behind_a_prefix(
 
 # Drags a slider to and fro, twenty moves a second.
 DRAG = """(n) => {
-    const find = (root) => root.querySelector("input[type=range][data-name=Ky]")
-        ?? [...root.querySelectorAll("*")].map((e) => e.shadowRoot && find(e.shadowRoot)).find(Boolean);
-    const input = find(document);
+    const slider = (root) => {
+        const own = root.querySelector("input[type=range][data-name=Ky]");
+        if (own) return own;
+        const roots = [...root.querySelectorAll("*")].map((e) => e.shadowRoot).filter(Boolean);
+        return roots.map(slider).find(Boolean);
+    };
+    const input = slider(document);
     let at = n;
     setInterval(() => {
         at = (at + 7) % 400;
