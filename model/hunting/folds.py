@@ -15,7 +15,7 @@ from hunting.elements import Array
 from hunting.harmonic_balance import Balance, Solution, at_amplitude, solve
 
 FREE = 1 - 1e-4  # of the clearance: what does not touch yet, whatever the rounding
-CRUDE_FOLD = 1e-5  # relative change of its speed by higher harmonics that asks for more of them
+CRUDE_FOLD = 3e-6  # relative change of its speed by higher harmonics that asks for more of them
 _ROUGH = 1e-4  # relative Newton step, squared by the next one, that intermediate cycles end with
 _CLOSE = 1e-7  # relative change of the fold's speed still possible in the bracket
 _ROUNDS = 20

@@ -20,7 +20,7 @@ from hunting.lure import LureSystem
 from hunting.ports import Ports, orders_up_to
 
 _ROUGH = 1e-4  # relative Newton step, squared by the next one, that intermediate cycles end with
-_NEAR, _CAREFUL = 1e-3, 1.4  # relative excess, and the factor it grows by, on second thoughts
+_NEAR, _CAREFUL = 1e-3, 1.6  # relative excess, and the factor it grows by, on second thoughts
 _SHORTEST = 3e-3  # stride in amplitude, over the amplitude wanted
 _STRIDE_CHANGE = 0.3  # largest relative change of speed that still is the same branch
 
