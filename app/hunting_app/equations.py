@@ -91,8 +91,8 @@ METHOD = (
         "",
         "the branch of limit cycles, where the amplitude rests",
         r"V(a) = V_c - \frac{\text{Re}[l N(a) r]}{\text{Re}[l A'(V_c) r]}",
-        "A cycle is stable where dA<sub>1</sub>/da < 0. The lowest V on a branch that begins towards "
-        "lower speeds is the fold: the nonlinear critical speed.",
+        "A cycle is stable where dA<sub>1</sub>/da &lt; 0. The lowest V on a branch that begins "
+        "towards lower speeds is the fold: the nonlinear critical speed.",
     ),
 )
 

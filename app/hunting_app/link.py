@@ -6,9 +6,16 @@ from typing import Any
 from urllib.parse import parse_qsl, urlencode
 
 from hunting_app.numerals import compact
-from hunting_app.state import FIELDS, SPEED, State, with_preset, with_value
-
-_CHOICES = ("vehicle", "curve", "page")
+from hunting_app.state import (
+    CHOICES,
+    FIELDS,
+    SPEED,
+    State,
+    with_choice,
+    with_disturbance,
+    with_preset,
+    with_value,
+)
 
 
 def query(state: State) -> str:
@@ -25,7 +32,9 @@ def query(state: State) -> str:
     items |= {name: compact(getattr(state.parameters, name)) for name in state.changed()}
     if state.speed != State.param.speed.default:
         items[SPEED.name] = compact(state.speed)
-    for name in _CHOICES:
+    if state.disturbance:
+        items["disturbance"] = compact(round(state.disturbance, 3))
+    for name in CHOICES:
         if getattr(state, name) != State.param[name].default:
             items[name] = getattr(state, name)
     return f"?{urlencode(items)}" if items else ""
@@ -55,18 +64,17 @@ def changes(search: str) -> tuple[dict[str, Any], list[str]]:
         attempt("preset", asked.pop("preset"))
     for name, text in asked.items():
         attempt(name, text)
-    names = ("preset", "parameters", "speed", *_CHOICES)
+    names = ("preset", "parameters", "speed", "disturbance", *CHOICES)
     return {name: getattr(fresh, name) for name in names}, refused
 
 
 def _change(state: State, name: str, text: str) -> dict[str, Any]:
     if name == "preset":
         return with_preset(text)
-    if name in _CHOICES:
-        allowed = State.param[name].objects
-        if text not in allowed:
-            raise ValueError(f"{name} must be one of {', '.join(allowed)}, got ‘{text[:40]}’")
-        return {name: text}
+    if name == "disturbance":
+        return with_disturbance(text)
+    if name in CHOICES:
+        return with_choice(name, text)
     if name in FIELDS or name == SPEED.name:
         return with_value(state, name, text)
     raise ValueError(f"‘{name[:40]}’ in the link is no parameter and no setting")

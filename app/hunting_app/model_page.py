@@ -61,7 +61,7 @@ def _equations(equations: tuple[Equation, ...]) -> str:
 
 
 def _fig_3() -> str:
-    shown = picture(RECONSTRUCTED, "both", 145.0).answers
+    shown = picture(RECONSTRUCTED, "both", 145.0, exact=False).answers
     vehicles = ("wheelset", "bogie")
     ours = {
         "V_lin": [KMH * float(shown[v].critical.linear) for v in vehicles],

@@ -18,6 +18,8 @@ class Palette:
     hunting: str
     bogie: str
     wheelset: str
+    averaged: str
+    motion: str
     clearance: str
     cursor: str
     paper: str
@@ -36,6 +38,8 @@ LIGHT = Palette(
     hunting="#d55e00",
     bogie="#0072b2",
     wheelset="#a8487f",
+    averaged="#7a4d1a",
+    motion="#5b3fb0",
     clearance="#6b6b6b",
     cursor="#1b1f24",
     paper="#ffffff",
@@ -50,6 +54,8 @@ DARK = Palette(
     hunting="#ff8a4c",
     bogie="#56b4e9",
     wheelset="#e39ac4",
+    averaged="#d8ab74",
+    motion="#b7a3ff",
     clearance="#a0a0a0",
     cursor="#f0f3f6",
     paper="#15191f",

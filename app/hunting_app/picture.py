@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
-from functools import lru_cache
+from dataclasses import dataclass, replace
+from functools import cached_property, lru_cache
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -14,7 +14,8 @@ from hunting.bogoliubov import averaged_branch
 from hunting.branch import Branch, LimitCycle
 from hunting.critical_speeds import CriticalSpeeds, critical_speeds
 from hunting.elements import Array, Phasor
-from hunting.stability import HopfPoints, eigenvalues, hopf_points
+from hunting.limit_cycles import limit_cycles
+from hunting.stability import HopfPoints, damping_ratios, eigenvalues, hopf_points
 from hunting_app.state import VEHICLES
 
 if TYPE_CHECKING:
@@ -29,12 +30,44 @@ _CYCLE = 97  # instants of a limit cycle: a closed curve without visible corners
 
 @dataclass(frozen=True)
 class Answers:
-    """What the model says of one vehicle, at every speed."""
+    """What the model says of one vehicle, at every speed.
+
+    Attributes
+    ----------
+    vehicle : str
+        ``"bogie"`` or ``"wheelset"``.
+    hopf : HopfPoints
+        All its Hopf points.
+    averaging : CriticalSpeeds
+        Critical speeds by averaging.
+    averaged : Branch
+        The branch of limit cycles by averaging.
+    exact : Branch or None
+        The exact one; None where it is hidden.
+    """
 
     vehicle: str
-    critical: CriticalSpeeds
     hopf: HopfPoints
-    branch: Branch
+    averaging: CriticalSpeeds
+    averaged: Branch
+    exact: Branch | None
+
+    @property
+    def branch(self) -> Branch:
+        """The branch that all answers come from: the exact one unless it is hidden."""
+        return self.averaged if self.exact is None else self.exact
+
+    @cached_property
+    def critical(self) -> CriticalSpeeds:
+        """The critical speeds, V_nl from `branch`."""
+        return self.averaging if self.exact is None else _by(self.exact, self.averaging)
+
+    @property
+    def error_of_averaging(self) -> float:
+        """How far averaging is off at the fold [km/h]; NaN where either has none."""
+        if self.exact is None or self.exact.fold is None or self.averaged.fold is None:
+            return math.nan
+        return KMH * float(self.averaged.fold[0] - self.exact.fold[0])
 
     @property
     def unstable_everywhere(self) -> bool:
@@ -56,6 +89,7 @@ class Moment:
 
     cycles: list[LimitCycle]
     eigenvalues: Phasor
+    damping: Array
 
     @property
     def centre_is_stable(self) -> bool:
@@ -75,6 +109,8 @@ class Picture:
         The chosen speed [km/h].
     answers, moments, sweeps : dict
         By vehicle: at every speed; at the chosen one; eigenvalues at `speeds`.
+    damping : dict
+        By vehicle: damping ratios at `speeds`, the least first.
     speeds : ndarray
         Speeds of the sweeps [km/h], to the end of the speed axis.
     """
@@ -84,11 +120,14 @@ class Picture:
     answers: dict[str, Answers]
     moments: dict[str, Moment]
     sweeps: dict[str, Phasor]
+    damping: dict[str, Array]
     speeds: Array
 
 
-def picture(parameters: Parameters, vehicle: str, speed: float) -> Picture:
+def picture(parameters: Parameters, vehicle: str, speed: float, exact: bool = True) -> Picture:
     """Return what a choice of parameters, vehicle and speed [km/h] looks like.
+
+    Without `exact` all answers are those of averaging.
 
     Raises
     ------
@@ -96,7 +135,8 @@ def picture(parameters: Parameters, vehicle: str, speed: float) -> Picture:
         If the equations cannot be solved with these values.
     """
     try:
-        return _picture(tuple(parameters.to_dict().values()), vehicle, speed)
+        with np.errstate(over="raise", invalid="raise", divide="raise"):
+            return _picture(tuple(parameters.to_dict().values()), vehicle, speed, exact)
     except (np.linalg.LinAlgError, FloatingPointError, OverflowError) as error:
         raise ValueError(
             "the equations cannot be solved in double precision with this value"
@@ -104,9 +144,11 @@ def picture(parameters: Parameters, vehicle: str, speed: float) -> Picture:
 
 
 @lru_cache(maxsize=8)
-def _picture(values: tuple[float, ...], vehicle: str, speed: float) -> Picture:
+def _picture(values: tuple[float, ...], vehicle: str, speed: float, exact: bool) -> Picture:
     vehicles = VEHICLES[vehicle]
     answers = {name: _answers(values, name) for name in vehicles}
+    if exact:
+        answers = {name: _with_exact(values, name) for name in vehicles}
     end = _axis_end(answers.values(), speed)
     return Picture(
         clearance=MM * float(Parameters(*values).delta),
@@ -114,33 +156,64 @@ def _picture(values: tuple[float, ...], vehicle: str, speed: float) -> Picture:
         answers=answers,
         moments={name: _moment(answers[name], speed) for name in vehicles},
         sweeps={name: _sweep(values, name, end) for name in vehicles},
+        damping={name: _damping(values, name, end) for name in vehicles},
         speeds=_speeds(end),
     )
 
 
 @lru_cache(maxsize=64)
 def _answers(values: tuple[float, ...], vehicle: str) -> Answers:
-    with np.errstate(over="raise", invalid="raise", divide="raise"):
-        system = _SYSTEMS[vehicle](Parameters(*values))
-        hopf = hopf_points(system)
-        return Answers(
-            vehicle,
-            critical_speeds(system, method="averaging", points=hopf),
-            hopf,
-            averaged_branch(system, points=hopf),
-        )
+    system = _SYSTEMS[vehicle](Parameters(*values))
+    hopf = hopf_points(system)
+    return Answers(
+        vehicle,
+        hopf,
+        critical_speeds(system, method="averaging", points=hopf),
+        averaged_branch(system, points=hopf),
+        exact=None,
+    )
+
+
+@lru_cache(maxsize=64)
+def _with_exact(values: tuple[float, ...], vehicle: str) -> Answers:
+    answers = _answers(values, vehicle)
+    try:
+        return replace(answers, exact=limit_cycles(answers.averaged.system, points=answers.hopf))
+    except (np.linalg.LinAlgError, FloatingPointError, OverflowError):
+        return answers  # averaging, which has an answer, is named as its source
+
+
+def _by(branch: Branch, averaging: CriticalSpeeds) -> CriticalSpeeds:
+    """Return the critical speeds with V_nl from the exact branch, as far as that goes."""
+    V, message = branch.speed, ""
+    if not V.size:
+        return averaging
+    if branch.fold is not None:
+        speed, amplitude = map(float, branch.fold)
+    elif V.argmin() == 0:
+        speed, amplitude = float(V[0]), 0.0
+    else:
+        speed = amplitude = math.nan
+        message = f"no fold on the exact branch{branch.message and ': '}{branch.message}"
+    return replace(averaging, nonlinear=speed, amplitude=amplitude, message=message)
 
 
 @lru_cache(maxsize=64)
 def _sweep(values: tuple[float, ...], vehicle: str, end: float) -> Phasor:
-    return eigenvalues(_answers(values, vehicle).branch.system, _speeds(end) / KMH)
+    return eigenvalues(_answers(values, vehicle).averaged.system, _speeds(end) / KMH)
+
+
+@lru_cache(maxsize=64)
+def _damping(values: tuple[float, ...], vehicle: str, end: float) -> Array:
+    return np.sort(damping_ratios(_sweep(values, vehicle, end)), axis=-1)
 
 
 def _moment(answers: Answers, speed: float) -> Moment:
     branch = answers.branch
     return Moment(
         cycles=branch.at_speed(speed / KMH, samples=_CYCLE) if branch.speed.size else [],
-        eigenvalues=eigenvalues(branch.system, [speed / KMH])[0],
+        eigenvalues=(s := eigenvalues(branch.system, [speed / KMH])[0]),
+        damping=damping_ratios(s),
     )
 
 

@@ -7,14 +7,34 @@ from typing import Any
 import panel as pn
 
 from hunting_app import link, words
-from hunting_app.explore import Explore, block
+from hunting_app.blocks import block
+from hunting_app.explore import Explore
 from hunting_app.header import Header
-from hunting_app.html import Html
+from hunting_app.markup import Html
 from hunting_app.model_page import model_page
 from hunting_app.pace import send_at_once
 from hunting_app.picture import picture
 from hunting_app.sidebar import Sidebar
-from hunting_app.state import State, with_preset, with_reset, with_value
+from hunting_app.state import (
+    CHOICES,
+    State,
+    with_choice,
+    with_disturbance,
+    with_preset,
+    with_reset,
+    with_value,
+)
+
+_SETTLED = {
+    "rest",
+    "link",
+    "page",
+    "curve",
+    "exact",
+    "averaged",
+    "disturbance",
+    "pair",
+}  # acts after which the address bar is brought up
 
 
 def dashboard(search: str | None = None) -> pn.viewable.Viewable:
@@ -26,7 +46,7 @@ def dashboard(search: str | None = None) -> pn.viewable.Viewable:
         A query string to start from, such as ``"?Ky=1e5&vehicle=both"``; by default the one in
         the address bar, if there is one.
     """
-    pn.extension()
+    pn.extension(inline=not pn.state.served)  # a notebook may have no network
     return Session(search).root
 
 
@@ -87,9 +107,16 @@ class Session:
             change = self._change(act)
             self._check(change)
         except (ValueError, TypeError) as refusal:
-            self.refused[name] = str(refusal)
-        else:
-            self.state.param.update(**change)
+            if name:
+                self.refused[name] = str(refusal)
+            else:
+                self.notices = [str(refusal)]
+            return
+        self.state.param.update(**change)
+        if not act.keys().isdisjoint(_SETTLED):
+            self.explore.motions.run()
+        if self.header.address is not None and not act.keys().isdisjoint(_SETTLED):
+            self.header.address = link.query(self.state)
 
     def _check(self, change: dict[str, Any]) -> None:
         """Raise what the model has against a change before it is made."""
@@ -98,6 +125,7 @@ class Session:
             change.get("parameters", now.parameters),
             change.get("vehicle", now.vehicle),
             change.get("speed", now.speed),
+            exact=False,
         )
 
     def _change(self, act: dict[str, Any]) -> dict[str, Any]:
@@ -114,12 +142,14 @@ class Session:
             case {"link": search}:
                 change, self.notices = link.changes(search)
                 return change
-            case {"rest": True}:
-                self.header.address = link.query(self.state)
             case {"dismiss": True}:
                 self.notices = []
-            case {"vehicle": _} | {"curve": _} | {"page": _} | {"dark": bool()}:
+            case {"dark": bool()}:
                 return act
+            case {"disturbance": size, **at}:
+                return with_disturbance(size) | ({"speed": at["speed"]} if "speed" in at else {})
+            case _ if len(act) == 1 and (name := next(iter(act))) in CHOICES:
+                return with_choice(name, act[name])
         return {}
 
     def _show(self) -> None:

@@ -5,19 +5,22 @@ const REST = 400; // ms without a move after which the hand is said to rest
 
 /** A channel with at most one message in flight; what waits is merged by key. */
 class Channel {
-  constructor(model) {
+  constructor(model, box) {
     this.model = model;
+    this.box = box; // its data-busy says whether anything is still to come
     this.number = model.answered;
     this.waiting = new Map();
     this.inFlight = false;
-    model.on("answered", () => { this.inFlight = false; this.flush(); });
+    model.on("answered", () => { this.inFlight = false; this.flush(); this.tell(); });
   }
   send(key, act) {
     this.waiting.set(key, act);
     if (!this.inFlight) this.flush();
     clearTimeout(this.resting);
-    if (key !== "rest") this.resting = setTimeout(() => this.send("rest", { rest: true }), REST);
+    this.resting = key === "rest" ? null : setTimeout(() => this.send("rest", { rest: true }), REST);
+    this.tell();
   }
+  tell() { this.box.dataset.busy = this.inFlight || this.resting ? "yes" : "no"; }
   flush() {
     if (this.waiting.size === 0) return;
     const acts = [...this.waiting.values()];
@@ -188,8 +191,8 @@ function choice(name, legend, options, send) {
 }
 
 export function render({ model }) {
-  const channel = new Channel(model);
-  const box = element("div", { class: "panel" });
+  const box = element("div", { class: "panel", "data-busy": "no" });
+  const channel = new Channel(model, box);
   const tip = new Tip(box);
   const presets = choice("preset", "Preset", model.presets,
     (key) => channel.send("preset", { preset: key }));
@@ -215,7 +218,9 @@ export function render({ model }) {
   const wide = window.matchMedia("(min-width: 801px)");
   const fold = element("details", { class: "fold", open: wide.matches },
     element("summary", {}, "Parameters"), provenance, ...others, resetAll);
-  wide.addEventListener("change", () => { fold.open = wide.matches; });
+  const refold = () => { fold.open = wide.matches; };
+  wide.addEventListener("change", refold);
+  model.on("remove", () => wide.removeEventListener("change", refold));
   box.append(notices, presets.node, vehicles.node, speed, fold, tip.node);
 
   function show() {

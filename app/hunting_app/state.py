@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Any
 
@@ -35,7 +36,9 @@ PRESETS = {
     ),
 }
 VEHICLES = {"bogie": ("bogie",), "wheelset": ("wheelset",), "both": ("bogie", "wheelset")}
-CURVES = ("damping", "locus")
+CURVES = {"damping": "Damping ratio", "locus": "Root locus"}
+CHOICES = ("vehicle", "curve", "page", "exact", "averaged", "pair")
+SHOWN = ("shown", "hidden")
 PAGES = {"explore": "Explore", "study": "Study", "model": "Model"}
 
 FIELDS = {field.name: field for field in Parameters.fields()}
@@ -62,6 +65,14 @@ class State(param.Parameterized):
     speed = param.Number(default=145.0, bounds=(0, FASTEST), doc="Chosen forward speed [km/h].")
     curve: Any = param.Selector(
         default="damping", objects=list(CURVES), doc="The stability plot shown."
+    )
+    exact: Any = param.Selector(default="shown", objects=list(SHOWN), doc="The exact branch.")
+    averaged: Any = param.Selector(default="shown", objects=list(SHOWN), doc="The averaged branch.")
+    disturbance = param.Number(
+        default=0.0, bounds=(0, None), doc="Peak displacement that is simulated [mm]; 0: none."
+    )
+    pair: Any = param.Selector(
+        default="no", objects=["no", "yes"], doc="Two motions, on either side of the threshold."
     )
     page: Any = param.Selector(default="explore", objects=list(PAGES), doc="The page shown.")
     dark = param.Boolean(default=False, doc="Light on dark instead of dark on light.")
@@ -93,6 +104,34 @@ def with_value(state: State, name: str, value: float | str) -> dict[str, Any]:
     return {"parameters": state.parameters.replace(**{name: number})}
 
 
+def with_choice(name: str, value: Any) -> dict[str, Any]:
+    """Return the change of a state that chooses the vehicle, the page or the stability plot.
+
+    Raises
+    ------
+    ValueError
+        If there is no such choice.
+    """
+    allowed = State.param[name].objects
+    if value not in allowed:
+        raise ValueError(f"{name} must be one of {', '.join(allowed)}, got ‘{str(value)[:40]}’")
+    return {name: value}
+
+
+def with_disturbance(size: float | str) -> dict[str, Any]:
+    """Return the change of a state that simulates a disturbance [mm]; 0 for none.
+
+    Raises
+    ------
+    ValueError
+        If it is no finite number >= 0.
+    """
+    number = parsed(size) if isinstance(size, str) else float(size)
+    if not 0 <= number < math.inf:
+        raise ValueError(f"the disturbance must be finite and >= 0 mm, got {number:g}")
+    return {"disturbance": number, "pair": "no"}
+
+
 def with_preset(name: str) -> dict[str, Any]:
     """Return the change of a state that starts again from a preset.
 
@@ -102,7 +141,7 @@ def with_preset(name: str) -> dict[str, Any]:
         If there is no such preset.
     """
     if name not in PRESETS:
-        raise ValueError(f"preset must be one of {', '.join(PRESETS)}, got {name!r}")
+        raise ValueError(f"preset must be one of {', '.join(PRESETS)}, got ‘{str(name)[:40]}’")
     return {"preset": name, "parameters": PRESETS[name].parameters}
 
 

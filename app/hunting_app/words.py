@@ -6,7 +6,6 @@ import math
 from html import escape
 from typing import TYPE_CHECKING
 
-from hunting.stability import damping_ratios
 from hunting_app.picture import KMH, MM
 from hunting_app.state import PRESETS, State
 
@@ -39,6 +38,7 @@ _KEY = (
         "unstable limit cycle",
         "Larger disturbances grow, smaller die out.",
     ),
+    (_LINE.format("averaged"), "averaged", "Bogoliubov's first order, the paper's method."),
     (_DOT.format("M6 2a4 4 0 1 0 .01 0z"), "Hopf point", "The centred motion loses stability."),
     (_DOT.format("M6 0l4 6-4 6-4-6z"), "fold", "The lowest speed at which a limit cycle exists."),
     (_LINE.format("clearance"), "flange clearance δ", "Beyond it the flange touches the rail."),
@@ -77,10 +77,11 @@ def _answer_row(one: Answers) -> str:
         "f": _number(hertz, "Hz", 2),
         "λ": _number(linear / KMH / hertz if hertz else math.nan, "m"),
     }
+    notes = {"V<sub>nl</sub>": _method(one)}
     cells = "".join(
         f'<div class="answer {"big" if i < 2 else ""}" data-answer="{escape(_TERMS[symbol][0])}">'
         f'<dt title="{escape(_TERMS[symbol][1])}"><b>{symbol}</b> {_TERMS[symbol][0]}</dt>'
-        f"<dd>{value}</dd></div>"
+        f"<dd>{value}</dd>{notes.get(symbol, '')}</div>"
         for i, (symbol, value) in enumerate(values.items())
     )
     kind = critical.criticality if critical.criticality != "none" else critical.message
@@ -89,6 +90,23 @@ def _answer_row(one: Answers) -> str:
         f'<h2><i></i>{one.vehicle}<span class="kind">{escape(str(kind))}</span></h2>'
         f"<dl>{cells}</dl>"
         "</section>"
+    )
+
+
+def _method(one: Answers) -> str:
+    """Which method V_nl comes from, and how far averaging is off."""
+    if one.exact is None:
+        return '<small class="method">by averaging</small>'
+    off = one.error_of_averaging
+    if not math.isfinite(one.critical.nonlinear):
+        return ""
+    if math.isnan(off):
+        return '<small class="method">exact</small>'
+    averaged = KMH * float(one.averaging.nonlinear)
+    way = "high" if off > 0 else "low"
+    return (
+        f'<small class="method">exact; averaging says {averaged:.1f}, '
+        f"{abs(off):.1f} km/h too {way}</small>"
     )
 
 
@@ -168,8 +186,7 @@ def stability(shown: Picture) -> str:
     """The damping curves, read aloud."""
     parts = []
     for vehicle, moment in shown.moments.items():
-        ratios = damping_ratios(moment.eigenvalues)
-        s, ratio = moment.eigenvalues[ratios.argmin()], 100 * ratios.min()
+        s, ratio = moment.eigenvalues[moment.damping.argmin()], 100 * moment.damping.min()
         verb = "is damped by" if ratio >= 0 else "grows, with a damping ratio of"
         rate = f", at {abs(s.imag) / (2 * math.pi):.2f} Hz" if s.imag else ""
         parts.append(f"the {vehicle}'s least damped mode {verb} {ratio:.2f} %{rate}")

@@ -225,7 +225,8 @@ class Shelf:
 
     def _read(self, chunk: int) -> Answers | None:
         try:
-            with np.load(self.folder / self._name(chunk), allow_pickle=False) as data:
+            path = self.folder / self._name(chunk)
+            with path.open("rb") as file, np.load(file, allow_pickle=False) as data:
                 return {name: data[name] for name in QUANTITIES}
         except (FileNotFoundError, EOFError, BadZipFile, KeyError, ValueError):
             return None

@@ -18,7 +18,7 @@ See M. Hochbruck and A. Ostermann, Exponential integrators, Acta Numerica 19 (20
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import factorial
+from math import factorial, prod
 from typing import Self
 
 import numpy as np
@@ -121,7 +121,7 @@ class SortedPorts:
         def cases(parts: list[Array], axis: int, empty: tuple[int, ...]) -> Array:
             whole = [np.broadcast_to(part, (*shape, *part.shape[-len(empty) :])) for part in parts]
             joined = np.concatenate([np.zeros((*shape, *empty)), *whole], axis=axis)
-            return joined.reshape(-1, *joined.shape[len(shape) :])
+            return joined.reshape(prod(shape), *joined.shape[len(shape) :])
 
         smooth = [link for link in system.elements if link.element.kink is None]
         contacts = [link for link in system.elements if link.element.kink is not None]
@@ -296,7 +296,7 @@ def step_map(modes: Modes, ports: SortedPorts, H: float, theta: Array) -> Array:
     columns = [
         phi[0] * L[:, None],
         powers[0] * contact_B[:, None],
-        stages.reshape(*stages.shape[:-2], -1),
+        stages.reshape(*stages.shape[:-2], STAGES * p),
     ]
     return (R[:, None] @ np.concatenate(columns, axis=-1)).real
 
@@ -328,13 +328,13 @@ class Operators:
         p, c = ports.C.shape[-2], ports.contact_C.shape[-2]
         X = step_map(modes, ports, H, GRID)
         columns = X.shape[-1]
-        stages = (ports.C[:, None] @ X[:, 1:-1]).reshape(M, -1, columns)
+        stages = (ports.C[:, None] @ X[:, 1:-1]).reshape(M, STAGES * p, columns)
         free, kernel = stages[..., : n + c], stages[..., n + c :]
 
         f = np.zeros((c, columns))
         f[:, n : n + c] = np.eye(c)
         w = np.zeros((len(GRID), p, columns))
-        w[..., n + c :] = np.kron(lagrange(GRID), np.eye(p)).reshape(len(GRID), p, -1)
+        w[..., n + c :] = np.kron(lagrange(GRID), np.eye(p)).reshape(len(GRID), p, STAGES * p)
         rates = modes.A[:, None] @ X + ports.B[:, None] @ w + (ports.contact_B @ f)[:, None]
         seen = np.concatenate([ports.watched, np.broadcast_to(output, (M, 1, n))], axis=1)
 
@@ -343,7 +343,7 @@ class Operators:
         gain = np.abs(last).max(axis=2)[:, :, :, None]
         coefficient = np.linalg.inv(_LEGENDRE)[-2:, None, :, None]
         error = np.zeros((M, 2 * p, columns))
-        error[..., n + c :] = (gain * coefficient).reshape(M, 2 * p, -1)
+        error[..., n + c :] = (gain * coefficient).reshape(M, 2 * p, STAGES * p)
 
         def on_grid(states: Array) -> Array:
             return np.swapaxes(seen[:, None] @ states, 1, 2).reshape(M, -1, columns)

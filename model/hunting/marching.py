@@ -1,9 +1,9 @@
 """Many motions at once through time, each by its own clock.
 
-Every pass takes each motion one step further: a full step of `collocation`, or less where a
-contact opens or closes within it. The polynomial of the step already knows the motion at that
-instant, so nothing is solved twice and no motion waits for another; the number of passes is that of
-the busiest motion.
+Every pass takes each motion one step further: a full step of `collocation`, or less where a force
+has a kink within it, because a contact opens or closes or the damper changes direction. The
+polynomial of the step already knows the motion at that instant, so nothing is solved twice and no
+motion waits for another; the number of passes is that of the busiest motion.
 """
 
 from __future__ import annotations
@@ -312,7 +312,7 @@ class March:
         """Solve u = free (x, f) + kernel phi(u) by Newton's method; return w = phi(u)."""
         u = base = (operators.free @ start[..., None])[..., 0]
         N, m = u.shape
-        converged = np.ones(N, dtype=bool)
+        converged = np.full(N, m == 0)
         if m == 0:
             return u, converged
         half = self.piece[:, self.c :]
@@ -327,10 +327,10 @@ class March:
             residual = base + (operators.kernel @ w[..., None])[..., 0] - u
             jacobian = one - operators.kernel * slope[:, None]
             change = np.linalg.solve(jacobian, residual[..., None])[..., 0]
-            u = u + change
+            u = np.where(converged[:, None], u, u + change)  # no motion depends on the others
             size = np.maximum(np.abs(u).max(axis=1), _TINY)
             # The error left is of the order of the square of the last relative change.
-            converged = np.abs(change).max(axis=1) <= np.sqrt(0.1 * self.tolerance) * size
+            converged |= np.abs(change).max(axis=1) <= np.sqrt(0.1 * self.tolerance) * size
             if converged.all():
                 break
         size = np.abs(u.reshape(N, STAGES, self.p)).max(axis=1)
@@ -449,7 +449,7 @@ class March:
 
     def _crests(self, turns: list[Turns]) -> Crests:
         """Evaluate the turns of the output; note the largest ones of the contacts."""
-        if not turns:
+        if not any(len(turn.row) for turn in turns):
             return Crests(np.zeros(0, dtype=int), np.zeros(0), np.zeros(0))
         step = Steps(*map(np.concatenate, zip(*(turn.step for turn in turns), strict=True)))
         row = np.concatenate([turn.row for turn in turns])

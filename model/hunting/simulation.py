@@ -18,10 +18,12 @@ REACH = 1.6  # times the clearance: where the model's range ends
 
 _FULL_HUNT = 1.05  # times the clearance: where a ramp down begins
 
+_HELD = 0.9  # share of its envelope that a hunt must be heading for to count as held
 _LONGEST_WINDOW = 10.0  # s
 _LOOKED_AT = 8  # windows over which an envelope is judged
 _SHRINKS = 0.98  # the largest ratio of successive changes of an envelope that settles
 _SETTLED = 1e-4  # change still to come, relative to the envelope
+_ABATES = 1e-3  # relative fall from window to window of a rate that abates
 _STEADY = 1e-7  # relative change from window to window that is none
 
 
@@ -188,7 +190,8 @@ class Decay:
     decided : bool or ndarray of bool, shape (...)
         False where the horizon came before the answer; `dies_out` is False there.
     time : float or ndarray, shape (...)
-        When |output| was last above a given share of its peak [s]; NaN unless it dies out.
+        When |output| was last above a given share of its peak [s]; NaN unless it dies out within
+        the horizon.
     amplitude : float or ndarray, shape (...)
         Envelope of |output| at the end [m]; NaN where the model's range was left.
     message : str or ndarray of str, shape (...)
@@ -246,7 +249,8 @@ def decays(
     changed less and less over eight windows and what is still to come, summed as a geometric
     series, is below 1e-4 of it. A motion beside an unstable cycle changes more and more, however
     slowly, and has not settled; only one that starts on it to about seven digits is taken for a
-    limit cycle.
+    limit cycle. At the horizon a motion is said to die out if the relative rate at which its
+    envelope shrinks has not abated over eight windows.
 
     Examples
     --------
@@ -267,22 +271,26 @@ def decays(
     )
     stable, window = _centred_motion(march)
     N = len(march.time)
-    envelope = np.abs(march.state @ march.output)[None]
+    envelope, when = np.abs(march.state @ march.output)[None], np.zeros((1, N))
     highest, last_above = envelope[0], np.zeros(N)
     dies, settled = np.zeros(N, dtype=bool), np.zeros(N, dtype=bool)
-    while (march.ended == np.inf).any() and len(envelope) * window <= horizon + window:
+    for k in range(1, 1 + max(1, int(horizon / window))):
         going = march.ended == np.inf
-        crests, _ = march.run(len(envelope) * window)
-        a = np.where(going, _highest(march, crests), envelope[-1])
+        if not going.any():
+            break
+        crests, _ = march.run(k * window)
+        height, time = _highest(march, crests)
+        a = np.where(going, height, envelope[-1])
         highest = np.maximum(highest, a)
         tall = crests.height > share * highest[crests.motion]
         np.maximum.at(last_above, crests.motion[tall], crests.time[tall])
-        envelope = np.concatenate([envelope, a[None]])
+        envelope, when = np.vstack([envelope, a]), np.vstack([when, time])
         going = march.ended == np.inf
         dies |= going & stable & (a <= share * highest)
         settled |= going & ~dies & _has_settled(envelope)
         march.ended[dies | settled] = march.time[dies | settled]
-    return _decay(march, envelope, last_above, dies, settled, horizon, reach)
+    sinks = stable & (march.ended == np.inf) & _sinks(envelope, when)
+    return _decay(march, envelope, last_above, dies, sinks, settled, horizon, reach)
 
 
 @dataclass(frozen=True)
@@ -361,9 +369,9 @@ def speed_ramp(
     -----
     The way down begins at the highest speed with a displacement of 1.05 times the clearance. Each
     dwell begins with the state the last one ended with. The envelope is that of the last fifth
-    of the dwell. Where it still shrinks, what counts is the value it tends to by the last three
-    fifths: shrinking slower and slower, it may settle; shrinking ever faster, as beyond the fold,
-    the hunt is lost. A motion that left the model's range counts as hunting.
+    of the dwell. Where it still shrinks, the last three fifths tell what it tends to: the hunt is
+    lost if that is less than nine tenths of it, as when it shrinks ever faster, beyond the fold.
+    A motion that left the model's range counts as hunting.
 
     Examples
     --------
@@ -395,11 +403,12 @@ def speed_ramp(
         speed = np.reshape(pair, (2,) + (1,) * len(system.shape))
         march = March(system, speed, state, tolerance=tolerance, step=LONGEST_STEP, reach=reach)
         march.run(0.4 * dwell)
-        fifths = [_highest(march, march.run(part * dwell)[0]) for part in (0.6, 0.8, 1.0)]
+        fifths = [_highest(march, march.run(part * dwell)[0])[0] for part in (0.6, 0.8, 1.0)]
         envelope = np.reshape(fifths, (3, *shape))
         away = (march.ended < np.inf).reshape(shape)
         found[k] = np.where(away, np.nan, envelope[-1])
-        hunts[k] = away | (_tends_to(envelope) > large)
+        held = np.maximum(large, _HELD * envelope[-1])
+        hunts[k] = away | ((envelope[-1] > large) & (_tends_to(envelope) > held))
         calm = envelope[-1] < small
         state = np.where(calm[..., None], nudge, march.state.reshape(*shape, -1))
         state = np.where(away[..., None], first, state)
@@ -503,11 +512,13 @@ def _centred_motion(march: March) -> tuple[Array, float]:
     return (lam.real.max(axis=-1) < 0)[march.case], float(window)
 
 
-def _highest(march: March, crests: Crests) -> Array:
-    """Return the largest |output| of each motion among the crests and the state it has reached."""
-    highest = np.abs(march.state @ march.output)
+def _highest(march: March, crests: Crests) -> tuple[Array, Array]:
+    """Return the largest |output| of each motion among crests and present state, and its time."""
+    highest, when = np.abs(march.state @ march.output), march.time.copy()
     np.maximum.at(highest, crests.motion, crests.height)
-    return highest
+    top = crests.height == highest[crests.motion]
+    when[crests.motion[top]] = crests.time[top]
+    return highest, when
 
 
 def _tends_to(envelope: Array) -> Array:
@@ -532,11 +543,22 @@ def _has_settled(envelope: Array) -> Array:
     return steady | (shrinks & (ratio < _SHRINKS) & (to_come < _SETTLED * last))
 
 
+def _sinks(envelope: Array, when: Array) -> Array:
+    """Return whether each column shrinks at a relative rate that does not abate."""
+    if len(envelope) <= _LOOKED_AT:
+        return np.zeros(envelope.shape[1], dtype=bool)
+    recent = np.maximum(envelope[-_LOOKED_AT:], np.finfo(float).tiny)
+    rate = -np.diff(np.log(recent), axis=0) / np.diff(when[-_LOOKED_AT:], axis=0)
+    abates = np.diff(rate, axis=0) < -_ABATES * rate[1:]
+    return np.logical_and.reduce(rate > 0) & ~np.logical_or.reduce(abates)
+
+
 def _decay(
     march: March,
     envelope: Array,
     last_above: Array,
     dies: Array,
+    sinks: Array,
     settled: Array,
     horizon: float,
     reach: float,
@@ -544,7 +566,6 @@ def _decay(
     away = (march.ended < np.inf) & ~dies & ~settled
     steps = np.diff(envelope[-_LOOKED_AT:], axis=0)
     grows = np.logical_and.reduce(steps > 0) & (len(steps) == _LOOKED_AT - 1)
-    final = np.where(away, np.nan, envelope[-1])
     messages = []
     for i, ending in enumerate(_endings(march, reach)):
         size = f"{1e3 * envelope[-1, i]:.2f} mm"
@@ -555,8 +576,10 @@ def _decay(
             messages.append(f"{verb} into a limit cycle of {size}")
         elif away[i]:
             messages.append(ending)
+        elif sinks[i]:
+            messages.append(f"dies out, but not within {horizon:g} s: {size} are left")
         elif grows[i]:
-            messages.append(f"grows, {size} after {horizon:g} s, and has not settled")
+            messages.append(f"grows, but has not settled within {horizon:g} s: {size}")
         else:
             messages.append(f"undecided after {horizon:g} s: {size} and has not settled")
 
@@ -564,10 +587,10 @@ def _decay(
         return _plain(np.asarray(values).reshape(march.shape))
 
     return Decay(
-        dies_out=shaped(dies),
-        decided=shaped(dies | settled | away | grows),
+        dies_out=shaped(dies | sinks),
+        decided=shaped(dies | sinks | settled | away | grows),
         time=shaped(np.where(dies, last_above, np.nan)),
-        amplitude=shaped(final),
+        amplitude=shaped(np.where(away, np.nan, envelope[-1])),
         message=shaped(np.array(messages, dtype=np.str_)),
     )
 

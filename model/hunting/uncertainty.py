@@ -288,6 +288,8 @@ def _indices(answers: Answers, speed: str, names: tuple[str, ...], n: int, base:
     kept = _power_of_two(whole.shape[1])
     if kept < _FEWEST:
         return Indices(names, np.full(d, np.nan), np.full(d, np.nan), kept)
+    if d == 1:  # it explains everything; sobol_indices is not made for one
+        return Indices(names, np.ones(1), np.ones(1), kept)
     f = whole[:, :kept]
     found = sobol_indices(func={"f_A": f[None, 0], "f_B": f[None, 1], "f_AB": f[2:, None]}, n=kept)
     first, total = np.reshape(found.first_order, d), np.reshape(found.total_order, d)

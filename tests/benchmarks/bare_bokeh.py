@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import os
+
 import numpy as np
 from bokeh.io import curdoc
 from bokeh.layouts import column, gridplot, row
 from bokeh.models import ColumnDataSource, Slider
 from bokeh.plotting import figure
 
-SLIDERS, PLOTS, POINTS = 23, 5, 500
+SLIDERS, POINTS = 23, 500
+PLOTS = int(os.environ["PLOTS"])
 X = np.linspace(0, 10, POINTS)
 CURVES = [np.sin(X), -np.sin(X)]
 

@@ -16,8 +16,11 @@ function* elements(root, selector) {
   }
 }
 
-window.prepare = (kind, plots) => {
+/** Find the sliders and listen for data; resolve with how many sliders and plots there are. */
+window.prepare = (kind) => {
   const models = [...Bokeh.documents[0]._all_models.values()];
+  const plots = models.filter((model) => model.type === "Figure" && model.visible).length;
+  const arrive = (count) => { window.arrivals = count; window.arrived = performance.now(); };
   if (kind === "ours") {
     const sidebar = models.find((model) => model.class_name === "Sidebar");
     const inputs = [...elements(document, "input[type=range]")];
@@ -27,37 +30,33 @@ window.prepare = (kind, plots) => {
       input.value = position;
       input.dispatchEvent(new Event("input"));
     };
-    sidebar.data.properties.answered.change.connect(() => { window.arrivals += 1; });
-    window.sliders = inputs.length;
-    window.current = () => sidebar.data.values;
-    return;
+    sidebar.data.properties.answered.change.connect(() => arrive(window.arrivals + 1));
+    return { sliders: inputs.length, plots };
   }
   const sources = models.filter((model) => model.type === "ColumnDataSource");
   const sliders = models.filter((model) => model.type === "Slider");
   const counts = sources.map(() => 0);
   sources.forEach((source, i) => source.properties.data.change.connect(() => {
     counts[i] += 1;
-    window.arrivals = Math.min(...counts);
+    arrive(Math.min(...counts));
   }));
   window.arrivals = 0;
   window.move = (name, position) => { sliders[3].value = position / 100; };
-  window.sliders = sliders.length;
+  return { sliders: sliders.length, plots };
 };
 
 /** Move a slider; resolve with the ms until the last canvas of the new picture is painted. */
-window.timedMove = (name, position, plots, quiet = 50, timeout = 10000) => new Promise((resolve, reject) => {
+window.timedMove = (name, position, quiet = 50, timeout = 10000) => new Promise((resolve, reject) => {
   const { painted } = window;
   const before = window.arrivals;
   const start = performance.now();
   window.move(name, position);
   const look = () => {
     const now = performance.now();
-    const fresh = [...painted.canvases.values()].filter((at) => at > start).length;
-    if (window.arrivals > before && fresh >= plots && now - painted.last > quiet) {
-      resolve(painted.last - start);
-    } else if (now - start > timeout) {
-      reject(new Error(`after ${timeout} ms: arrived ${window.arrivals - before}, painted ${fresh}`));
-    } else requestAnimationFrame(look);
+    const isNew = window.arrivals > before && painted.last > window.arrived;
+    if (isNew && now - painted.last > quiet) resolve(painted.last - start);
+    else if (now - start > timeout) reject(new Error(`no new picture after ${timeout} ms`));
+    else requestAnimationFrame(look);
   };
   requestAnimationFrame(look);
 });

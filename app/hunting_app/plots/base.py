@@ -27,6 +27,7 @@ class Plot:
     def __init__(self, x_label: str, y_label: str, name: str, described: str) -> None:
         self.figure = figure(
             name=name,
+            html_attributes={"role": "img", "aria-label": described},
             x_range=Range1d(0, 1),
             y_range=Range1d(0, 1),
             x_axis_label=x_label,
@@ -39,7 +40,6 @@ class Plot:
         )
         self.figure.toolbar.autohide = True
         self.figure.toolbar.logo = None
-        self.described = described
         self._inks: list[tuple[Model, str, str]] = []
         self._of_vehicle: list[tuple[GlyphRenderer, str]] = []
         for axis in self.figure.axis:
@@ -79,9 +79,8 @@ class Plot:
 
     def hover(self, renderers: list[GlyphRenderer], tooltips: list[tuple[str, str]]) -> None:
         """Show values under the pointer."""
-        self.figure.add_tools(
-            HoverTool(renderers=renderers, tooltips=tooltips, line_policy="interp")
-        )
+        tool = HoverTool(renderers=renderers, tooltips=tooltips, visible=False)
+        self.figure.add_tools(tool)
 
     def dress(self, palette: Palette) -> None:
         """Apply a palette."""

@@ -12,6 +12,7 @@ from hunting_app.picture import KMH, MM
 from hunting_app.plots.base import Plot
 
 if TYPE_CHECKING:
+    from hunting.branch import Branch
     from hunting_app.picture import Answers, Picture
     from hunting_app.plots.feed import Columns, Feed
 
@@ -33,10 +34,14 @@ class Bifurcation(Plot):
         self.clearance = feed.source("y")
         self.cursor = feed.source("x")
         self.branches = {v: feed.source("V", "stable", "unstable") for v in ("bogie", "wheelset")}
+        self.averaged = {v: feed.source("V", "stable", "unstable") for v in self.branches}
+        self.averaged_folds = {v: feed.source("V", "a") for v in self.branches}
         self.hopf = {v: feed.source("V", "a") for v in self.branches}
         self.folds = {v: feed.source("V", "a") for v in self.branches}
         self.cycles = {v: feed.source("V", "stable", "unstable") for v in self.branches}
         self._draw_background()
+        for vehicle in self.branches:
+            self._draw_averaged(vehicle)
         for vehicle in self.branches:
             self._draw_vehicle(vehicle)
 
@@ -52,6 +57,21 @@ class Bifurcation(Plot):
         )  # fmt: skip
         self.add("vspan", self.cursor, {"line_color": "cursor"}, x="x", line_width=1.5)
 
+    def _draw_averaged(self, v: str) -> None:
+        source, colour = self.averaged[v], {"line_color": "averaged"}
+        diamond = colour | {"fill_color": "averaged"}
+        made = [
+            self.add("line", source, colour, x="V", y="stable", line_width=1.5),
+            self.add("line", source, colour, x="V", y="unstable", line_width=1.5, line_dash=[6, 4]),
+            self.add(
+                "scatter", self.averaged_folds[v], diamond, x="V", y="a", size=9, marker="diamond"
+            ),
+        ]
+        self._of_vehicle += [(renderer, v) for renderer in made]
+        for line, column in zip(made[:2], ("stable", "unstable"), strict=True):
+            label = f"{v}, {column}, averaged"
+            self.hover([line], [(label, f"@{column}{{0.00}} mm"), ("at", "@V{0.0} km/h")])
+
     def _draw_vehicle(self, v: str) -> None:
         colour, filled = {"line_color": v}, {"line_color": v, "fill_color": v}
         hollow = {"line_color": v, "fill_color": "paper"}
@@ -64,21 +84,29 @@ class Bifurcation(Plot):
         self.add("scatter", self.folds[v], filled, x="V", y="a", size=13, marker="diamond")
         self.add("scatter", cycles, filled, x="V", y="stable", size=8, marker="square")
         self.add("scatter", cycles, hollow, x="V", y="unstable", size=8, marker="square")
-        self.hover(
-            [stable, unstable],
-            [("V", "$data_x{0.0} km/h"), ("amplitude", "$data_y{0.00} mm")],
-        )
+        for line, column in ((stable, "stable"), (unstable, "unstable")):
+            label = f"{v}, {column} cycle, exact"
+            self.hover([line], [(label, f"@{column}{{0.00}} mm"), ("at", "@V{0.0} km/h")])
 
-    def draw(self, shown: Picture) -> None:
-        """Draw branches, points and zones."""
+    def draw(self, shown: Picture, averaging: bool = True, settled: bool = True) -> None:
+        """Draw branches, points and zones.
+
+        The averaged branch only if it is wanted; what follows from the exact one only if that is
+        `settled`, else it stays as it is.
+        """
         for vehicle in self.branches:
             answers = shown.answers.get(vehicle)
-            self.feed.put(self.branches[vehicle], _branch(answers))
+            exact = answers.exact if answers else None
+            averaged = answers.averaged if answers and averaging else None
+            if settled:
+                self.feed.put(self.branches[vehicle], _branch(exact))
+                self.feed.put(self.folds[vehicle], _fold(exact))
+            self.feed.put(self.averaged[vehicle], _branch(averaged))
+            self.feed.put(self.averaged_folds[vehicle], _fold(averaged))
             self.feed.put(self.hopf[vehicle], _hopf(answers))
-            self.feed.put(self.folds[vehicle], _fold(answers))
         end = float(shown.speeds[-1])
         zones = _zones(next(iter(shown.answers.values())), end)
-        for zone, source in self.zones.items():
+        for zone, source in self.zones.items() if settled else ():
             here = [(low, high) for name, low, high in zones if name == zone]
             self.feed.put(
                 source, {"left": [low for low, _ in here], "right": [high for _, high in here]}
@@ -101,10 +129,9 @@ class Bifurcation(Plot):
             self.feed.put(source, marks)
 
 
-def _branch(answers: Answers | None) -> Columns:
-    if answers is None or not answers.branch.speed.size:
+def _branch(branch: Branch | None) -> Columns:
+    if branch is None or not branch.speed.size:
         return {"V": [], "stable": [], "unstable": []}
-    branch = answers.branch
     amplitude, stable = MM * branch.amplitude, branch.stable
     touches_unstable = ~stable
     touches_unstable[1:] |= ~stable[:-1]  # so that the two curves meet
@@ -120,10 +147,10 @@ def _hopf(answers: Answers | None) -> Columns:
     return {"V": speeds, "a": [0.0] * len(speeds)}
 
 
-def _fold(answers: Answers | None) -> Columns:
-    if answers is None or answers.branch.fold is None:
+def _fold(branch: Branch | None) -> Columns:
+    if branch is None or branch.fold is None:
         return {"V": [], "a": []}
-    speed, amplitude = answers.branch.fold
+    speed, amplitude = branch.fold
     return {"V": [KMH * float(speed)], "a": [MM * float(amplitude)]}
 
 

@@ -13,6 +13,8 @@ from hunting_app.plots.base import Plot, joined
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+    from bokeh.models import ColumnDataSource
+
     from hunting_app.picture import Picture
     from hunting_app.plots.feed import Columns, Feed
 
@@ -64,6 +66,15 @@ class Portraits:
             plot.add("scatter", self.centre[v], filled, x="x", y="stable", size=7)
             plot.add("scatter", self.centre[v], hollow, x="x", y="unstable", size=7)
         return plot
+
+    def follow(self, motions: dict[str, ColumnDataSource]) -> None:
+        """Draw simulated motions on top; keys are the palette's roles."""
+        for c in COORDINATES:
+            for role, source in reversed(motions.items()):
+                self.plots[c.symbol].add(
+                    "line", source, {"line_color": role}, x=c.symbol, y=f"{c.symbol}'",
+                    line_width=1, line_alpha=0.75,
+                )  # fmt: skip
 
     def draw_moment(self, shown: Picture) -> None:
         """Draw the cycles at the chosen speed; without any, the axes follow the clearance."""

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 from bokeh.models import Span
 
-from hunting.stability import damping_ratios
 from hunting_app.numerals import rounded_up
 from hunting_app.picture import KMH
 from hunting_app.plots.base import Plot
@@ -43,7 +42,7 @@ class Damping(Plot):
         for v, source in self.modes.items():
             for mode, width in zip(_MODES, (3, 1.5, 1.5), strict=True):
                 line = self.add("line", source, {"line_color": v}, x="V", y=mode, line_width=width)
-                self.hover([line], [("V", "$data_x{0.0} km/h"), ("ζ", "$data_y{0.00} %")])
+                self.hover([line], [("ζ", f"@{mode}{{0.00}} %"), ("at", "@V{0.0} km/h")])
             dot = {"line_color": v, "fill_color": v}
             self.add("scatter", self.hopf[v], dot, x="V", y="zero", size=10)
 
@@ -55,7 +54,7 @@ class Damping(Plot):
                 self.feed.put(source, {name: [] for name in ("V", *_MODES)})
                 self.feed.put(self.hopf[v], {"V": [], "zero": []})
                 continue
-            ratios = 100 * np.sort(damping_ratios(shown.sweeps[v]), axis=-1)
+            ratios = 100 * shown.damping[v]
             last = ratios.shape[-1] - 1
             modes = {mode: ratios[:, min(2 * k, last)] for k, mode in enumerate(_MODES)}
             self.feed.put(source, {"V": shown.speeds, **modes})

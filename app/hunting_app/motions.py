@@ -1,0 +1,154 @@
+"""Simulated motions: what a disturbance does, over time and in words."""
+
+from __future__ import annotations
+
+from concurrent.futures import Future, ThreadPoolExecutor
+from functools import partial
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import panel as pn
+
+from hunting_app import verdicts
+from hunting_app.blocks import block, button, column, said
+from hunting_app.disturbance import Disturbed, contacts, disturbed
+from hunting_app.markup import Html, text
+from hunting_app.picture import picture
+from hunting_app.plan import Plan
+from hunting_app.plots.history import History
+from hunting_app.plots.portraits import COORDINATES
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from hunting.simulation import Decay
+    from hunting_app.picture import Picture
+    from hunting_app.plots.feed import Feed
+    from hunting_app.state import State
+
+ROLES = ("motion", "hunting")  # the palette's colours of the only or inner motion, of the outer one
+_COLUMNS = ("t", *(name for c in COORDINATES for name in (c.symbol, f"{c.symbol}'")))
+_JUDGES = ThreadPoolExecutor(1, thread_name_prefix="verdict")
+
+
+class Motions:
+    """The card below the bifurcation diagram.
+
+    The motion itself comes at once. How it ends takes about a second more and follows from a
+    thread, so that the sliders stay free. A motion of other parameters than those shown is taken
+    away, and simulated anew when the hand rests.
+    """
+
+    def __init__(self, state: State, feed: Feed, act: Callable[[dict[str, Any]], None]) -> None:
+        self.state, self.feed = state, feed
+        self.sources = {role: feed.source(*_COLUMNS) for role in ROLES}
+        for role, source in self.sources.items():
+            source.name = f"motion-{role}"
+        self.history = History(feed, self.sources)
+        self.plots = self.history.lanes
+        self.text, self.pane = text("motion")
+        self.buttons = Html(act)
+        self.plan = Plan()
+        self.motion: Disturbed | None = None
+        self._of: tuple[Any, ...] = ()
+
+    def _wanted(self) -> tuple[Any, ...]:
+        s = self.state
+        return (s.parameters, s.vehicle, s.speed, s.disturbance, s.pair, s.exact)
+
+    def draw_moment(self, shown: Picture, settled: bool) -> None:
+        """Take away what no longer holds; say whether there is a threshold to be beside of."""
+        if self.motion is not None and self._of != self._wanted():
+            self._clear()
+        if settled:
+            self._offer(shown)
+
+    def _offer(self, shown: Picture) -> None:
+        vehicle, moment = next(iter(shown.moments.items()))
+        self.buttons.html = _buttons(
+            verdicts.no_threshold(shown.answers[vehicle], moment, shown.speed),
+            pair=self.state.pair == "yes",
+            any_motion=bool(self.state.disturbance) or self.state.pair == "yes",
+        )
+        if self.motion is None:
+            self.text.html = said(verdicts.invitation())
+
+    def run(self) -> None:
+        """Simulate what is asked for, unless that is what is shown."""
+        wanted = self._wanted()
+        if wanted == self._of:
+            return
+        self._clear()
+        self._of = wanted
+        s = self.state
+        shown = picture(s.parameters, s.vehicle, s.speed, s.exact == "shown")
+        self._offer(shown)
+        if s.disturbance or s.pair == "yes":
+            self._simulate(shown, None if s.pair == "yes" else s.disturbance)
+        self.feed.send()
+
+    def _simulate(self, shown: Picture, size: float | None) -> None:
+        vehicle, answers = next(iter(shown.answers.items()))
+        moment = shown.moments[vehicle]
+        self.motion = disturbed(answers, moment, shown.speed, size)
+        if self.motion is None:
+            self.text.html = said(verdicts.no_threshold(answers, moment, shown.speed))
+        else:
+            self._show(self.motion, shown.clearance)
+
+    def _show(self, motion: Disturbed, clearance: float) -> None:
+        reach = dict.fromkeys((c.symbol for c in COORDINATES), 0.0)
+        for index, role in enumerate(ROLES[: len(motion.sizes)]):
+            columns = {name: motion.column(name, index) for name in _COLUMNS[1:]}
+            self.feed.put(self.sources[role], {"t": motion.trajectory.time, **columns})
+            for symbol in reach:
+                reach[symbol] = max(reach[symbol], float(np.nanmax(np.abs(columns[symbol]))))
+        time = motion.trajectory.time
+        self.history.draw(reach, float(time[-1]), contacts(time, motion.touching()))
+        self.plan.param.update(clearance=clearance, present=True)
+        self.text.html = verdicts.motion(motion, None)
+        self._judge(motion)
+
+    def _judge(self, motion: Disturbed) -> None:
+        """Find out how it ends; in the background if there is a page to be told."""
+        doc = pn.state.curdoc
+        if not (doc and doc.session_context):
+            self.text.html = verdicts.motion(motion, motion.decay())
+            return
+
+        def tell(found: Future[Decay]) -> None:
+            doc.add_next_tick_callback(partial(self._say, motion, found.result()))
+
+        _JUDGES.submit(motion.decay).add_done_callback(tell)
+
+    def _say(self, motion: Disturbed, decay: Decay) -> None:
+        if motion is self.motion:
+            self.text.html = verdicts.motion(motion, decay)
+
+    def _clear(self) -> None:
+        self.motion = None
+        self._of = ()
+        for source in self.sources.values():
+            self.feed.put(source, {name: [] for name in _COLUMNS})
+        self.history.clear()
+        self.plan.present = False
+
+    def __panel__(self) -> pn.viewable.Viewable:
+        """Buttons and words on top, time history left, plan view right."""
+        lanes = [lane.figure for lane in self.plots.values()]
+        return block(
+            "card motion",
+            self.buttons,
+            column("said", self.pane),
+            block("side-by-side", column("curves", *lanes), self.plan),
+        )
+
+
+def _buttons(why_not: str, *, pair: bool, any_motion: bool) -> str:
+    beside = button(
+        {"pair": "no" if pair else "yes"},
+        "Just inside and outside the unstable cycle",
+        pressed=pair,
+        why_not=why_not,
+    )
+    return beside + (button({"disturbance": 0}, "Clear", pressed=False) if any_motion else "")

@@ -1,0 +1,57 @@
+"""Time history of simulated motions: y, psi and z in three lanes, flange contact shaded."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from hunting_app.numerals import rounded_up
+from hunting_app.plots.base import Plot
+from hunting_app.plots.portraits import COORDINATES
+
+if TYPE_CHECKING:
+    from bokeh.models import ColumnDataSource
+
+    from hunting.elements import Array
+    from hunting_app.plots.feed import Feed
+
+
+class History:
+    """One lane for each coordinate; they share the axis of time."""
+
+    def __init__(self, feed: Feed, motions: dict[str, ColumnDataSource]) -> None:
+        self.feed = feed
+        self.contacts = feed.source("from", "to")
+        self.lanes = {c.symbol: Plot("", "", f"history-{c.symbol}", c.label) for c in COORDINATES}
+        first = self.lanes[COORDINATES[0].symbol].figure
+        for c in COORDINATES:
+            lane = self.lanes[c.symbol]
+            figure = lane.figure
+            figure.min_height = 30
+            figure.min_border_top = figure.min_border_bottom = 2
+            figure.x_range = first.x_range
+            figure.yaxis.axis_label = f"{c.symbol} [{c.unit}]"
+            figure.yaxis.ticker.desired_num_ticks = 3
+            figure.min_border_left = 58
+            figure.xaxis.visible = c is COORDINATES[-1]
+            figure.styles = {"flex": "1 1 0" if c is not COORDINATES[-1] else "1 1 36px"}
+            lane.add(
+                "vstrip", self.contacts, {"fill_color": "hunting", "line_color": "hunting"},
+                x0="from", x1="to", fill_alpha=0.25, line_alpha=0.25,
+            )  # fmt: skip
+            for role, source in reversed(motions.items()):
+                lane.add("line", source, {"line_color": role}, x="t", y=c.symbol, line_width=1)
+        self.lanes[COORDINATES[-1].symbol].figure.xaxis.axis_label = "time t [s]"
+
+    def draw(self, reach: dict[str, float], duration: float, contact: tuple[Array, Array]) -> None:
+        """Set the axes and shade the contacts; the motions are in their sources."""
+        self.feed.put(self.contacts, {"from": contact[0], "to": contact[1]})
+        for symbol, lane in self.lanes.items():
+            end = rounded_up(1.05 * reach[symbol]) if reach[symbol] else 1.0
+            lane.frame((0.0, duration), (-end, end))
+
+    def clear(self) -> None:
+        """Shade nothing."""
+        nothing = np.zeros(0)
+        self.feed.put(self.contacts, {"from": nothing, "to": nothing})
