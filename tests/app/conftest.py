@@ -76,14 +76,16 @@ class Dashboard:
                 }
               };
               const painted = (canvas) => {
-                const { data } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
+                const { width, height } = canvas;
+                const { data } = canvas.getContext("2d").getImageData(0, 0, width, height);
                 const first = data.slice(0, 4).join();
                 for (let i = 4; i < data.length; i += 4) {
                   if (data.slice(i, i + 4).join() !== first) return true;
                 }
                 return false;
               };
-              return [...all(document)].filter((c) => c.width > 200 && c.height > 90 && painted(c)).length;
+              const plots = [...all(document)].filter((c) => c.width > 200 && c.height > 90);
+              return plots.filter(painted).length;
             }"""
         )
 

@@ -238,7 +238,8 @@ def test_everything_is_reached_by_keyboard(dashboard):
                 """() => {
                   let node = document.activeElement;
                   while (node?.shadowRoot?.activeElement) node = node.shadowRoot.activeElement;
-                  return node?.dataset?.name ? `${node.type} ${node.dataset.name}` : node?.textContent;
+                  const name = node?.dataset?.name;
+                  return name ? `${node.type} ${name}` : node?.textContent;
                 }"""
             )
         )
