@@ -62,7 +62,7 @@ def proxy(tmp_path: Path) -> Iterator[Proxy]:
 
 
 @pytest.mark.parametrize(("prefix", "path"), [("/hunting", "/hunting/"), ("", "/demo/"), ("", "/")])
-def test_page_link_and_downloads_work_behind_a_prefix(
+def test_page_websocket_and_link_work_behind_a_prefix(
     prefix: str, path: str, demo: Start, proxy: Proxy, new_page: NewPage
 ) -> None:
     served = demo(PREFIX=prefix)
