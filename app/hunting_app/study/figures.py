@@ -10,7 +10,7 @@ import holoviews as hv
 import numpy as np
 import panel as pn
 
-from hunting import Claim, Figure, claims, figure
+from hunting import Cancelled, Claim, Figure, claims, figure
 from hunting.cases import Progress
 from hunting_app.palette import Palette
 from hunting_app.picture import KMH
@@ -53,12 +53,12 @@ class Figures(Section):
         futures = [executor.submit(figure, n, self.parameters, self.model) for n in NUMBERS]
         found: dict[int, Figure] = {}
         self.fresh: dict[int, Figure] = found
-        progress(0, total)
         try:
+            _tell(progress, 0, total)
             for future in as_completed(futures):
                 one: Figure = future.result()
                 found[one.number] = one
-                progress(len(found), total)
+                _tell(progress, len(found), total)
         finally:
             for future in futures:
                 future.cancel()
@@ -98,6 +98,11 @@ class Figures(Section):
         said = "".join(f"# {claim}\n" for claim in judged)
         parts = (f"# {one.title}\n{one.csv()}" for one in figures.values())
         return said + "\n".join(parts)
+
+
+def _tell(progress: Progress, done: int, total: int) -> None:
+    if progress(done, total) is False:
+        raise Cancelled(f"cancelled after {done} of {total} steps")
 
 
 class _Card:

@@ -14,6 +14,7 @@ from concurrent.futures import (
     ProcessPoolExecutor,
     ThreadPoolExecutor,
 )
+from functools import partial
 from typing import Any
 
 import panel as pn
@@ -56,10 +57,10 @@ class Workers:
                 if next_line.waiting:
                     self._lines.append(next_line)
 
-    def _give(self, future: Future[Any], call: tuple[Any, ...]) -> None:
+    def _give(self, future: Future[Any], call: partial[Any]) -> None:
         self._busy += 1
         try:
-            inner = self._processes().submit(*call)
+            inner = self._processes().submit(call)
         except (BrokenExecutor, RuntimeError) as refusal:  # killed, or the server is ending
             self._busy -= 1
             self._pool = None
@@ -91,18 +92,14 @@ class Line(Executor):
 
     def __init__(self, workers: Workers) -> None:
         self.workers = workers
-        self.waiting: deque[tuple[Future[Any], tuple[Any, ...]]] = deque()
+        self.waiting: deque[tuple[Future[Any], partial[Any]]] = deque()
 
     def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
         """Queue a call."""
         future: Future[Any] = Future()
-        self.waiting.append((future, (_call, fn, args, kwargs)))
+        self.waiting.append((future, partial(fn, *args, **kwargs)))
         self.workers.wake(self)
         return future
-
-
-def _call(fn: Callable[..., Any], args: tuple[Any, ...], kwargs: dict[str, Any]) -> Any:
-    return fn(*args, **kwargs)
 
 
 WORKERS = Workers()
