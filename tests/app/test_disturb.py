@@ -28,7 +28,7 @@ def said(session):
     return re.sub(r"<[^>]*>", " ", session.explore.motions.text.html)
 
 
-@pytest.mark.parametrize(("size", "word"), [(12.0, "limit cycle of 9.4"), (2.0, "dying out")])
+@pytest.mark.parametrize(("size", "word"), [(12.0, "limit cycle of 9.4"), (2.0, "dies out")])
 def test_the_verdict_is_that_of_the_model(session, size, word):
     session.act({"disturbance": size, "speed": 145.0})
     motion = session.explore.motions.motion
