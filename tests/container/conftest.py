@@ -19,6 +19,7 @@ import pytest
 from tests.conftest import ROOT, free_port
 
 DEPLOY = ROOT / "deploy"
+Proxy = Callable[..., str]
 
 
 def ask(url: str) -> tuple[int, str]:
@@ -85,3 +86,35 @@ def demo(tmp_path: Path) -> Iterator[Callable[..., Demo]]:
         if one.process.poll() is None:
             one.process.kill()
         one.process.wait()
+
+
+@pytest.fixture
+def proxy(tmp_path: Path) -> Iterator[Proxy]:
+    """Start nginx with the project's own configuration before some demos; returns its address."""
+    running: list[subprocess.Popen[bytes]] = []
+
+    def start(*demos: Demo) -> str:
+        port = free_port()
+        text = (DEPLOY / "nginx.conf").read_text()
+        (replica,) = re.findall(r"^ *server demo:5006(.*);$", text, flags=re.MULTILINE)
+        replicas = "".join(f"server 127.0.0.1:{demo.port}{replica};\n" for demo in demos)
+        text = text.replace(f"server demo:5006{replica};\n", replicas)
+        text = text.replace("listen 8080;", f"listen 127.0.0.1:{port};")
+        text = text.replace("/tmp/", f"{tmp_path}/")
+        text = text.replace("worker_processes auto;", "worker_processes 1;")
+        (tmp_path / "nginx.conf").write_text(text)
+        command = ["nginx", "-c", str(tmp_path / "nginx.conf"), "-g", "daemon off;"]
+        with (tmp_path / "nginx.log").open("wb") as log:
+            running.append(subprocess.Popen(command, stderr=log))
+        url = f"http://127.0.0.1:{port}"
+        for _ in range(50):
+            try:
+                ask(f"{url}/liveness")
+            except OSError:
+                time.sleep(0.1)
+        return url
+
+    yield start
+    for process in running:
+        process.terminate()
+        process.wait(timeout=10)
