@@ -64,8 +64,9 @@ def start_logging() -> None:
         library.handlers.clear()
         library.propagate = True
         library.setLevel(logging.WARNING)
-    # Advice on layouts, for developers.
-    logging.getLogger("bokeh.core.validation").setLevel(logging.ERROR)
+    # Advice on layouts, for developers; and that a visitor left before all was said.
+    for name in ("bokeh.core.validation", "bokeh.server.views.ws"):
+        logging.getLogger(name).setLevel(logging.ERROR)
     logging.captureWarnings(True)
     logging.basicConfig(handlers=[handler], level=logging.WARNING, force=True)
     LOG.setLevel(logging.INFO)
