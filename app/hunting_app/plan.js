@@ -39,7 +39,7 @@ export function render({ model, view }) {
   play.type = "button";
   const clock = document.createElement("output");
   const note = document.createElement("p");
-  note.textContent = `From above, in real time; movements and clearance enlarged ${ENLARGED} times. Dashed: frame.`;
+  note.textContent = `From above, in real time. Movements ${ENLARGED} times enlarged; dashed: frame.`;
   const controls = document.createElement("div");
   controls.className = "controls";
   controls.append(play, clock);

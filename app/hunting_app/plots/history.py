@@ -33,6 +33,8 @@ class History:
             figure.x_range = first.x_range
             figure.yaxis.axis_label = f"{c.symbol} [{c.unit}]"
             figure.yaxis.ticker.desired_num_ticks = 3
+            figure.yaxis.axis_label_text_font_size = "11px"
+            figure.yaxis.axis_label_standoff = 2
             figure.min_border_left = 58
             figure.xaxis.visible = c is COORDINATES[-1]
             figure.styles = {"flex": "1 1 0" if c is not COORDINATES[-1] else "1 1 36px"}
