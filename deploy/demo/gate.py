@@ -101,21 +101,24 @@ class Gate(BokehTornado):  # type: ignore[misc]
         if place == "/ws" and not self._has_allowed_origin(request.headers):
             LOG.warning("refused: a websocket from a page of another origin")
             return 403, "Pages of other origins may not use this demo."
-        if place in ("", "/", "/ws") and not self._has_session(request):
-            return self._no_room()
+        if place in ("", "/"):
+            return self._no_room(self.chosen.session_limit, MOST_COMING)
+        if place == "/ws" and not self._has_session(request):
+            # Another replica let this page in: it is not to be left without its data.
+            most = self.chosen.session_limit + MOST_COMING
+            return self._no_room(most, most)
         return None
 
-    def _no_room(self) -> tuple[int, str] | None:
+    def _no_room(self, limit: int, most_coming: int) -> tuple[int, str] | None:
         while self._coming and self._coming[0] < time.monotonic() - GONE:
             self._coming.popleft()
         sessions = self.get_sessions("/")
-        limit = self.chosen.session_limit
         if len(sessions) + len(self._coming) >= limit:
             LOG.warning("refused: all %d places are taken", limit)
             return 503, f"All {limit} places of this demo are taken just now. {AGAIN}"
         loading = sum(session.connection_count == 0 for session in sessions)
-        if loading + len(self._coming) >= MOST_COMING:
-            LOG.warning("refused: %d pages are still loading", MOST_COMING)
+        if loading + len(self._coming) >= most_coming:
+            LOG.warning("refused: %d pages are still loading", most_coming)
             return 503, f"Many visitors are coming in at this moment. {AGAIN}"
         self._coming.append(time.monotonic())
         return None

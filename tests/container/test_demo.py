@@ -95,7 +95,9 @@ def test_the_log_has_a_line_an_event_and_nothing_of_the_visitor(
     assert served.stop() == 0
     lines = served.logged().splitlines()
     assert all(re.match(r"\d{4}-\d\d-\d\dT[\d:.]+Z (info|warning|error) ", line) for line in lines)
-    assert [line.split(" ", 2)[2].split(",")[0] for line in lines] == [
+    events = [line.split(" ", 2)[2].split(",")[0] for line in lines]
+    # A visitor may leave in the middle of a message.
+    assert [event for event in events if not event.startswith("trouble in asyncio")] == [
         f"serving at port {served.port}",
         "session opened",
         "session closed",
