@@ -9,63 +9,73 @@ import panel as pn
 from bokeh.events import Tap
 
 from hunting_app import words
-from hunting_app.blocks import block, button, column, said
+from hunting_app.blocks import LAYOUT, block, button, column, said
+from hunting_app.details import Details
 from hunting_app.markup import Html, text
-from hunting_app.motions import Motions
 from hunting_app.pace import send_at_once
 from hunting_app.palette import palette
 from hunting_app.picture import picture
 from hunting_app.plots.bifurcation import Bifurcation
 from hunting_app.plots.feed import Feed
-from hunting_app.plots.portraits import Portraits
-from hunting_app.plots.stability import Damping, Locus
-from hunting_app.state import CURVES, State
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from hunting_app.picture import Picture
     from hunting_app.plots.base import Plot
+    from hunting_app.state import State
 
 PAUSE = 60  # ms after which the exact branch follows a move; until then only what is cheap
 
 
 class Explore:
-    """Answers, bifurcation diagram, phase portraits and stability plot of one session."""
+    """Answers and bifurcation diagram first; the details once the page shows those."""
 
     def __init__(self, state: State, act: Callable[[dict[str, Any]], None]) -> None:
         self.state = state
         self.act = act
-        self.feed = feed = Feed()
-        self.bifurcation = Bifurcation(feed)
-        self.portraits = Portraits(feed)
-        self.stability = {"damping": Damping(feed, self.bifurcation.cursor), "locus": Locus(feed)}
-        self.motions = Motions(state, feed, act)
-        self.portraits.follow(self.motions.sources)
-        feed.connect(self.bifurcation.figure)
+        self.feed = Feed()
+        self.bifurcation = Bifurcation(self.feed)
+        self.feed.connect(self.bifurcation.figure)
         self.bifurcation.figure.on_event(Tap, self._disturb)
-        self.plots: list[Plot] = [
-            self.bifurcation,
-            *self.portraits.plots.values(),
-            *self.stability.values(),
-            *self.motions.plots.values(),
-        ]
+        self.plots: list[Plot] = [self.bifurcation]
         self.texts, self.panes = {}, {}
-        for name in ("answers", "bifurcation", "portraits", "stability"):
+        for name in ("answers", "bifurcation"):
             self.texts[name], self.panes[name] = text(name)
-        self.choice = Html(act)
-        self.branches = Html(act)
+        self.branches = Html(act, css_classes=["toggles"], stylesheets=[LAYOUT])
+        self.details: Details | None = None
         self._drawn: tuple[Any, ...] = ()
         self._exact: tuple[Any, ...] = ()
         self._late: Any = None
         self._dressed: bool | None = None
         self._vehicles: set[str] = set()
+        self.view = block(
+            "explore",
+            column("strip", self.panes["answers"]),
+            block(
+                "card diagram",
+                self.branches,
+                column("curves", self.panes["bifurcation"], self.bifurcation.figure),
+            ),
+        )
         self.draw()
-        self.motions.run()
         state.param.watch(
             lambda *_: self.draw(),
             ["parameters", "vehicle", "speed", "curve", "exact", "averaged", "dark"],
         )
+        pn.state.onload(self._complete)
+
+    def _complete(self) -> None:
+        """Add the details."""
+        with pn.io.hold():
+            self.details = Details(self.state, self.feed, self.bifurcation.cursor, self.act)
+            self.plots += self.details.plots
+            self.texts |= self.details.texts
+            self._drawn, self._dressed, self._vehicles = (), None, set()
+            self._draw(self.state.exact == "shown")
+            self.details.motions.run()
+            self.view.extend(self.details.cards())
+            self.feed.connect(self.bifurcation.figure)
 
     def draw(self) -> None:
         """Bring everything up to date; what takes too long for a moving hand comes after it."""
@@ -105,11 +115,11 @@ class Explore:
             self._draw_curves(shown, settled)
             self._drawn = wanted
         self.bifurcation.draw_moment(shown)
-        self.portraits.draw_moment(shown)
-        self.stability[state.curve].draw_moment(shown)
-        self.motions.draw_moment(shown, settled)
+        if self.details:
+            self.details.draw_moment(shown, settled)
         self.feed.send()
-        self._write(shown, settled)
+        if settled:
+            self._write(shown)
 
     def _draw_curves(self, shown: Picture, settled: bool) -> None:
         if set(shown.answers) != self._vehicles:
@@ -117,55 +127,32 @@ class Explore:
             for plot in self.plots:
                 plot.show_vehicles(self._vehicles)
         self.bifurcation.draw(shown, averaging=self.state.averaged == "shown", settled=settled)
-        for name, plot in self.stability.items():
-            plot.figure.visible = name == self.state.curve
-        self.stability[self.state.curve].draw(shown)
-        if settled:
-            self.texts["answers"].html = words.answers(shown)
-        self.choice.html = _choice("curve", CURVES, self.state.curve)
+        if self.details:
+            self.details.draw(shown)
         self.branches.html = _toggles(exact=self.state.exact, averaged=self.state.averaged)
 
-    def _write(self, shown: Picture, settled: bool) -> None:
-        warned = "".join(f'<p class="warning">{escape(w)}</p>' for w in words.warnings(shown))
-        html = {
-            "bifurcation": "<h2>Bifurcation diagram</h2>"
+    def _write(self, shown: Picture) -> None:
+        self.texts["answers"].html = words.answers(shown)
+        self.texts["bifurcation"].html = (
+            "<h2>Bifurcation diagram</h2>"
             + said(words.diagram(shown))
-            + warned
-            + words.legend(shown),
-            "portraits": "<h2>Phase portraits</h2>" + said(words.portraits(shown)),
-            "stability": said(words.stability(shown)),
-        }
-        for name, markup in html.items():
-            if settled or name == "stability":
-                self.texts[name].html = markup
+            + "".join(f'<p class="warning">{escape(w)}</p>' for w in words.warnings(shown))
+            + words.legend(shown)
+        )
 
     def _disturb(self, event: Tap) -> None:
         """Simulate what was clicked on."""
         if event.x is not None and event.x > 0 and event.y > 0:
             self.act({"disturbance": round(event.y, 2), "speed": max(round(event.x, 1), 1.0)})
 
+    def run(self) -> None:
+        """Simulate the disturbance that is asked for."""
+        if self.details:
+            self.details.motions.run()
+
     def __panel__(self) -> pn.viewable.Viewable:
-        """Answers on top, the diagram left, portraits right, stability below."""
-        panes = self.panes
-        portraits = [plot.figure for plot in self.portraits.plots.values()]
-        curves = [plot.figure for plot in self.stability.values()]
-        return block(
-            "explore",
-            column("strip", panes["answers"]),
-            block(
-                "card diagram",
-                self.branches,
-                column("curves", panes["bifurcation"], self.bifurcation.figure),
-            ),
-            column("card portraits", panes["portraits"], *portraits),
-            self.motions,
-            block("card stability", self.choice, column("curves", panes["stability"], *curves)),
-        )
-
-
-def _choice(name: str, labels: dict[str, str], chosen: str) -> str:
-    """One button for each of several choices."""
-    return "".join(button({name: k}, label, pressed=k == chosen) for k, label in labels.items())
+        """Answers on top, the diagram left, what explains it right and below."""
+        return self.view
 
 
 def _toggles(**shown: str) -> str:

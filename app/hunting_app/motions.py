@@ -50,6 +50,7 @@ class Motions:
         self.buttons = Html(act)
         self.plan = Plan()
         self.motion: Disturbed | None = None
+        self.on_reach: Callable[[dict[str, float]], None] = lambda reach: None
         self._of: tuple[Any, ...] = ()
 
     def _wanted(self) -> tuple[Any, ...]:
@@ -97,12 +98,13 @@ class Motions:
             self._show(self.motion, shown.clearance)
 
     def _show(self, motion: Disturbed, clearance: float) -> None:
-        reach = dict.fromkeys((c.symbol for c in COORDINATES), 0.0)
+        reach = dict.fromkeys(_COLUMNS[1:], 0.0)
         for index, role in enumerate(ROLES[: len(motion.sizes)]):
             columns = {name: motion.column(name, index) for name in _COLUMNS[1:]}
             self.feed.put(self.sources[role], {"t": motion.trajectory.time, **columns})
             for symbol in reach:
                 reach[symbol] = max(reach[symbol], float(np.nanmax(np.abs(columns[symbol]))))
+        self.on_reach(reach)
         time = motion.trajectory.time
         self.history.draw(reach, float(time[-1]), contacts(time, motion.touching()))
         self.plan.param.update(clearance=clearance, present=True)
@@ -131,6 +133,7 @@ class Motions:
         for source in self.sources.values():
             self.feed.put(source, {name: [] for name in _COLUMNS})
         self.history.clear()
+        self.on_reach({})
         self.plan.present = False
 
     def __panel__(self) -> pn.viewable.Viewable:

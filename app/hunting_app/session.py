@@ -114,7 +114,7 @@ class Session:
             return
         self.state.param.update(**change)
         if not act.keys().isdisjoint(_SETTLED):
-            self.explore.motions.run()
+            self.explore.run()
         if self.header.address is not None and not act.keys().isdisjoint(_SETTLED):
             self.header.address = link.query(self.state)
 

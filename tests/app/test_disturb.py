@@ -25,13 +25,13 @@ def column(source, name):
 
 
 def said(session):
-    return re.sub(r"<[^>]*>", " ", session.explore.motions.text.html)
+    return re.sub(r"<[^>]*>", " ", session.explore.details.motions.text.html)
 
 
 @pytest.mark.parametrize(("size", "word"), [(12.0, "limit cycle of 9.4"), (2.0, "dies out")])
 def test_the_verdict_is_that_of_the_model(session, size, word):
     session.act({"disturbance": size, "speed": 145.0})
-    motion = session.explore.motions.motion
+    motion = session.explore.details.motions.motion
     decay = motion.decay()
     assert word in said(session)
     assert not decay.decided[0] or decay.message[0] in said(session)
@@ -40,21 +40,21 @@ def test_the_verdict_is_that_of_the_model(session, size, word):
 
 def test_a_disturbance_below_the_fold_dies_out_in_as_long_as_the_model_says(session):
     session.act({"disturbance": 9.0, "speed": 60.0})
-    decay = session.explore.motions.motion.decay()
+    decay = session.explore.details.motions.motion.decay()
     assert decay.dies_out[0]
     assert f"dies out in {decay.time[0]:.1f} s" in said(session)
 
 
 def test_a_motion_begins_with_the_displacement_that_was_clicked(session):
     session.act({"disturbance": 6.0, "speed": 142.0})
-    motions = session.explore.motions
+    motions = session.explore.details.motions
     assert column(motions.sources["motion"], "y")[0] == pytest.approx(6.0)
     assert not column(motions.sources["hunting"], "y").size
 
 
 def test_the_peak_flange_force_is_that_of_the_spring(session):
     session.act({"disturbance": 12.0, "speed": 145.0})
-    motion = session.explore.motions.motion
+    motion = session.explore.details.motions.motion
     peak = float(RECONSTRUCTED.Kr * (0.012 - RECONSTRUCTED.delta))
     assert motion.trajectory.peak_forces["flange force"][0] == pytest.approx(peak, rel=1e-3)
     assert f"peak flange force {peak / 1e3:.1f} kN" in said(session)
@@ -73,7 +73,7 @@ def test_beside_the_unstable_cycle_one_motion_shrinks_and_one_grows(vehicle):
 
 def test_both_motions_are_drawn(session):
     session.act({"pair": "yes"})
-    inside, outside = (column(s, "y") for s in session.explore.motions.sources.values())
+    inside, outside = (column(s, "y") for s in session.explore.details.motions.sources.values())
     late = len(inside) // 2
     assert np.abs(inside[late:]).max() < np.abs(inside[:late]).max()
     assert np.abs(outside[late:]).max() > np.abs(outside[:late]).max()
@@ -85,14 +85,14 @@ def test_both_motions_are_drawn(session):
 )
 def test_without_an_unstable_cycle_the_button_says_why(session, speed, reason):
     session.act({"set": "V", "to": speed})
-    html = session.explore.motions.buttons.html
+    html = session.explore.details.motions.buttons.html
     assert "disabled" in html
     assert reason in html
 
 
 def test_table_1_stays_in_words():
     session = Session("?preset=table1")
-    assert "has no limit cycles" in session.explore.motions.buttons.html
+    assert "has no limit cycles" in session.explore.details.motions.buttons.html
     session.act({"disturbance": 5.0, "speed": 100.0})
     assert "dies out in" in said(session)
 
@@ -100,9 +100,19 @@ def test_table_1_stays_in_words():
 def test_a_motion_of_other_parameters_is_taken_away_until_the_hand_rests(session):
     session.act({"disturbance": 6.0, "speed": 142.0})
     session.act({"set": "Ky", "to": 1e5})
-    assert not column(session.explore.motions.sources["motion"], "y").size
+    assert not column(session.explore.details.motions.sources["motion"], "y").size
     session.act({"rest": True})
-    assert column(session.explore.motions.sources["motion"], "y").size
+    assert column(session.explore.details.motions.sources["motion"], "y").size
+
+
+def test_the_portraits_make_room_for_the_motion():
+    session = Session("?preset=table1&disturbance=5")
+    details = session.explore.details
+    largest = np.abs(column(details.motions.sources["motion"], "z")).max()
+    axis = details.portraits.plots["z"].figure.x_range
+    assert axis.end > largest > 1
+    session.act({"disturbance": 0})
+    assert axis.end < largest
 
 
 def test_contact_begins_and_ends_where_the_force_does():
@@ -115,8 +125,8 @@ def test_contact_begins_and_ends_where_the_force_does():
 def test_a_link_keeps_the_disturbance():
     session = Session("?disturbance=6&V=142")
     assert session.state.disturbance == 6.0
-    assert session.explore.motions.motion.sizes[0] * MM == pytest.approx(6.0)
-    assert session.explore.motions.motion.speed / KMH == pytest.approx(142.0 / KMH)
+    assert session.explore.details.motions.motion.sizes[0] * MM == pytest.approx(6.0)
+    assert session.explore.details.motions.motion.speed / KMH == pytest.approx(142.0 / KMH)
 
 
 @pytest.mark.parametrize("text", ["-3", "abc", "1e999", ""])

@@ -68,7 +68,7 @@ def test_a_low_speed_window_is_drawn_as_hunting_and_named():
 
 def test_portraits_show_the_two_cycles_at_the_chosen_speed(session):
     session.act({"set": "V", "to": 145.0})
-    portraits = session.explore.portraits
+    portraits = session.explore.details.portraits
     shown = picture(RECONSTRUCTED, "bogie", 145.0).moments["bogie"]
     small, big = (MM * cycle.amplitude for cycle in shown.cycles)
     assert values(portraits.unstable["bogie"])["y"].max() == pytest.approx(small, rel=1e-4)
@@ -77,7 +77,7 @@ def test_portraits_show_the_two_cycles_at_the_chosen_speed(session):
 
 def test_at_a_safe_speed_there_is_no_cycle(session):
     session.act({"set": "V", "to": "100"})
-    assert not values(session.explore.portraits.stable["bogie"])["y"].size
+    assert not values(session.explore.details.portraits.stable["bogie"])["y"].size
     assert "is safe: every disturbance dies out" in session.explore.texts["bifurcation"].html
 
 

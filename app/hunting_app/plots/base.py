@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from bokeh.models import GlyphRenderer, HoverTool, Range1d
+from bokeh.models import GlyphRenderer, HoverTool, HSpan, Line, Range1d, Scatter, VSpan, VStrip
 from bokeh.plotting import figure
 
 from hunting_app.state import VEHICLES
@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from hunting_app.picture import Picture
 
 FONT = "system-ui, sans-serif"
+_GLYPHS = {"line": Line, "scatter": Scatter, "hspan": HSpan, "vspan": VSpan, "vstrip": VStrip}
 
 
 class Plot:
@@ -66,9 +67,16 @@ class Plot:
 
     def add(self, glyph: str, source: ColumnDataSource, inks: dict[str, str], **look: Any) -> Any:
         """Add a glyph, such as ``"line"``, whose colours follow the palette."""
-        renderer: GlyphRenderer = getattr(self.figure, glyph)(source=source, **look)
-        renderer.update(nonselection_glyph=None, muted_glyph=None)  # never painted, yet prepared
-        self.ink(renderer.glyph, **inks)
+        drawn = _GLYPHS[glyph](**look)
+        renderer = GlyphRenderer(  # figure.line and the like would prepare four more looks of it
+            data_source=source,
+            glyph=drawn,
+            selection_glyph=None,
+            nonselection_glyph=None,
+            muted_glyph=None,
+        )
+        self.figure.renderers.append(renderer)
+        self.ink(drawn, **inks)
         self._of_vehicle += [(renderer, role) for role in set(inks.values()) & set(VEHICLES)]
         return renderer
 

@@ -3,7 +3,7 @@ const { packed } = cb_obj.data;
 let at = 0;
 sources.forEach((source, i) => {
   const rows = packed[at++];
-  if (rows < 0) return;
+  if (!(rows >= 0)) return;
   const data = {};
   for (const name of columns[i]) {
     data[name] = new Float64Array(packed.buffer, packed.byteOffset + 8 * at, rows);

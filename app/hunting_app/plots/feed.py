@@ -27,14 +27,16 @@ _UNCHANGED = -1.0
 class Feed:
     """Sources of numbers, filled together.
 
-    Before the page is shown `send` fills the sources themselves; afterwards only their twins in
-    the browser: here they keep what the page began with.
+    `send` fills sources that are not on a page yet; of the others only the twins in the browser:
+    here they keep what the page began with.
     """
 
     def __init__(self) -> None:
         self.sources: list[ColumnDataSource] = []
         self._staged: dict[str, Columns] = {}
         self._channel = ColumnDataSource({"packed": np.zeros(0)})
+        self._take_apart = CustomJS(code=_TAKE_APART)
+        self._channel.js_on_change("data", self._take_apart)
 
     def source(self, *columns: str) -> ColumnDataSource:
         """Return a new empty source with these columns."""
@@ -43,11 +45,13 @@ class Feed:
         return source
 
     def connect(self, model: Model) -> None:
-        """Let the array travel with a model of the page, once all sources are made."""
-        columns = [source.column_names for source in self.sources]
-        take_apart = CustomJS(args={"sources": self.sources, "columns": columns}, code=_TAKE_APART)
-        self._channel.js_on_change("data", take_apart)
-        model.tags = [*model.tags, self._channel]
+        """Let the array travel with a model of the page, once more if sources were added."""
+        self._take_apart.args = {
+            "sources": list(self.sources),
+            "columns": [source.column_names for source in self.sources],
+        }
+        if self._channel not in model.tags:
+            model.tags = [*model.tags, self._channel]
 
     def put(self, source: ColumnDataSource, columns: Columns) -> None:
         """Give a source new columns of one length, with the next `send`."""
@@ -55,18 +59,17 @@ class Feed:
 
     def send(self) -> None:
         """Show what was put since the last time."""
-        if self._channel.document is None:
-            for source in self.sources:
-                if source.id in self._staged:
-                    source.data = dict(self._staged[source.id])
-        else:
-            parts: list[Sequence[float] | NDArray[np.float64]] = []
-            for source in self.sources:
-                columns = self._staged.get(source.id)
-                if columns is None:
-                    parts.append([_UNCHANGED])
-                else:
-                    values = [columns[name] for name in source.column_names]
-                    parts += [[len(values[0])], *values]
+        parts: list[Sequence[float] | NDArray[np.float64]] = []
+        for source in self.sources:
+            columns = self._staged.get(source.id)
+            if columns is None:
+                parts.append([_UNCHANGED])
+            elif source.document is None:
+                source.data = dict(columns)
+                parts.append([_UNCHANGED])
+            else:
+                values = [columns[name] for name in source.column_names]
+                parts += [[len(values[0])], *values]
+        if len(parts) > len(self.sources):  # something changed that a page holds already
             self._channel.data = {"packed": np.concatenate(parts).astype(float, copy=False)}
         self._staged.clear()

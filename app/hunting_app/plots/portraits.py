@@ -13,8 +13,7 @@ from hunting_app.plots.base import Plot, joined
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from bokeh.models import ColumnDataSource
-
+    from hunting_app.motions import Motions
     from hunting_app.picture import Picture
     from hunting_app.plots.feed import Columns, Feed
 
@@ -47,6 +46,8 @@ class Portraits:
         self.centre = {v: feed.source("x", "stable", "unstable") for v in names}
         self.clearance = feed.source("x")
         self.plots = {c.symbol: self._plot(c) for c in COORDINATES}
+        self._cycles = dict.fromkeys(_COLUMNS, 0.0)
+        self._motions: dict[str, float] = {}
 
     def _plot(self, c: Coordinate) -> Plot:
         plot = Plot(
@@ -68,10 +69,11 @@ class Portraits:
             plot.add("scatter", self.centre[v], hollow, x="x", y="unstable", size=7)
         return plot
 
-    def follow(self, motions: dict[str, ColumnDataSource]) -> None:
-        """Draw simulated motions on top; keys are the palette's roles."""
+    def follow(self, motions: Motions) -> None:
+        """Draw simulated motions on top, and make room for them."""
+        motions.on_reach = self._include
         for c in COORDINATES:
-            for role, source in reversed(motions.items()):
+            for role, source in reversed(motions.sources.items()):
                 self.plots[c.symbol].add(
                     "line", source, {"line_color": role}, x=c.symbol, y=f"{c.symbol}'",
                     line_width=1, line_alpha=0.75,
@@ -97,6 +99,16 @@ class Portraits:
         for _, _, values in _all_columns(shown):
             for symbol, column in values.items():
                 reach[symbol] = max(reach[symbol], MM * float(np.abs(column).max()))
+        self._cycles = reach
+        self._frame()
+
+    def _include(self, reach: dict[str, float]) -> None:
+        """Make room for motions that reach so far [mm, mrad or per second], by symbol."""
+        self._motions = reach
+        self._frame()
+
+    def _frame(self) -> None:
+        reach = {s: max(size, self._motions.get(s, 0.0)) for s, size in self._cycles.items()}
         for symbol, plot in self.plots.items():
             x, y = (rounded_up(1.1 * reach[s]) if reach[s] else 1.0 for s in (symbol, f"{symbol}'"))
             plot.frame((-x, x), (-y, y))

@@ -1,0 +1,79 @@
+"""Phase portraits, simulated motions and stability plot: what explains the diagram."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from hunting_app import words
+from hunting_app.blocks import block, button, column, said
+from hunting_app.markup import Html, text
+from hunting_app.motions import Motions
+from hunting_app.plots.portraits import Portraits
+from hunting_app.plots.stability import Damping, Locus
+from hunting_app.state import CURVES
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from bokeh.models import ColumnDataSource
+
+    from hunting_app.picture import Picture
+    from hunting_app.plots.base import Plot
+    from hunting_app.plots.feed import Feed
+    from hunting_app.state import State
+
+
+class Details:
+    """The cards beside and below the diagram."""
+
+    def __init__(
+        self,
+        state: State,
+        feed: Feed,
+        cursor: ColumnDataSource,
+        act: Callable[[dict[str, Any]], None],
+    ) -> None:
+        self.state = state
+        self.portraits = Portraits(feed)
+        self.stability = {"damping": Damping(feed, cursor), "locus": Locus(feed)}
+        self.motions = Motions(state, feed, act)
+        self.portraits.follow(self.motions)
+        self.plots: list[Plot] = [
+            *self.portraits.plots.values(),
+            *self.stability.values(),
+            *self.motions.plots.values(),
+        ]
+        self.texts, self.panes = {}, {}
+        for name in ("portraits", "stability"):
+            self.texts[name], self.panes[name] = text(name)
+        self.choice = Html(act)
+
+    def draw(self, shown: Picture) -> None:
+        """Draw what holds at every speed."""
+        for name, plot in self.stability.items():
+            plot.figure.visible = name == self.state.curve
+        self.stability[self.state.curve].draw(shown)
+        self.choice.html = "".join(
+            button({"curve": name}, label, pressed=name == self.state.curve)
+            for name, label in CURVES.items()
+        )
+
+    def draw_moment(self, shown: Picture, settled: bool) -> None:
+        """Draw and say what holds at the chosen speed."""
+        self.portraits.draw_moment(shown)
+        self.stability[self.state.curve].draw_moment(shown)
+        self.motions.draw_moment(shown, settled)
+        self.texts["stability"].html = said(words.stability(shown))
+        if settled:
+            self.texts["portraits"].html = f"<h2>Phase portraits</h2>{said(words.portraits(shown))}"
+
+    def cards(self) -> list[Any]:
+        """The cards, for the grid of the page."""
+        portraits = [plot.figure for plot in self.portraits.plots.values()]
+        curves = [plot.figure for plot in self.stability.values()]
+        said_of_curves = self.panes["stability"]
+        return [
+            column("card portraits", self.panes["portraits"], *portraits),
+            self.motions,
+            block("card stability", self.choice, column("curves", said_of_curves, *curves)),
+        ]
