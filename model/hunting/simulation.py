@@ -18,6 +18,7 @@ REACH = 1.6  # times the clearance: where the model's range ends
 
 _FULL_HUNT = 1.05  # times the clearance: where a ramp down begins
 
+_SETTLING = 10  # dwells that a hunt may take to settle before a ramp down
 _HELD = 0.9  # share of its envelope that a hunt must be heading for to count as held
 _LONGEST_WINDOW = 10.0  # s
 _LOOKED_AT = 8  # windows over which an envelope is judged
@@ -367,11 +368,12 @@ def speed_ramp(
 
     Notes
     -----
-    The way down begins at the highest speed with a displacement of 1.05 times the clearance. Each
-    dwell begins with the state the last one ended with. The envelope is that of the last fifth
-    of the dwell. Where it still shrinks, the last three fifths tell what it tends to: the hunt is
-    lost if that is less than nine tenths of it, as when it shrinks ever faster, beyond the fold.
-    A motion that left the model's range counts as hunting.
+    The way down begins at the highest speed with a displacement of 1.05 times the clearance, and
+    up to ten dwells for the hunt to settle. Each dwell begins with the state the last one ended
+    with. The envelope is that of the last fifth of the dwell. Where it still shrinks, the last
+    three fifths tell what it tends to: the hunt is lost if that is less than nine tenths of it,
+    as when it shrinks ever faster, beyond the fold. A motion that left the model's range counts
+    as hunting.
 
     Examples
     --------
@@ -392,26 +394,35 @@ def speed_ramp(
         for name, value in (("disturbance", disturbance), ("hunting", hunting))
     )
     tolerance, reach = _positive("tolerance", tolerance, ""), _reach(reach)
-    aside = system.output / (system.output @ system.output)
     shape = (2, *system.shape)
+    aside = system.output / (system.output @ system.output)
     nudge = np.broadcast_to(small[..., None] * aside, (*shape, len(aside)))
-    state = nudge.copy()
-    state[1] = _FULL_HUNT * np.asarray(system.clearance)[..., None] * aside
-    first = state.copy()
-    found, hunts = np.empty((len(V), *shape)), np.empty((len(V), *shape), dtype=bool)
-    for k, pair in enumerate(zip(V, V[::-1], strict=True)):
-        speed = np.reshape(pair, (2,) + (1,) * len(system.shape))
+    first = nudge.copy()
+    first[1] = _FULL_HUNT * np.asarray(system.clearance)[..., None] * aside
+
+    def stay(speed: Array, state: Array) -> tuple[Array, Array, Array]:
+        """Return the envelopes after one dwell, whether motions hunt, and their states."""
         march = March(system, speed, state, tolerance=tolerance, step=LONGEST_STEP, reach=reach)
         march.run(0.4 * dwell)
         fifths = [_highest(march, march.run(part * dwell)[0])[0] for part in (0.6, 0.8, 1.0)]
-        envelope = np.reshape(fifths, (3, *shape))
-        away = (march.ended < np.inf).reshape(shape)
-        found[k] = np.where(away, np.nan, envelope[-1])
+        envelope = np.reshape(fifths, (3, *march.shape))
+        away = (march.ended < np.inf).reshape(march.shape)
         held = np.maximum(large, _HELD * envelope[-1])
-        hunts[k] = away | ((envelope[-1] > large) & (_tends_to(envelope) > held))
-        calm = envelope[-1] < small
-        state = np.where(calm[..., None], nudge, march.state.reshape(*shape, -1))
-        state = np.where(away[..., None], first, state)
+        hunts = away | ((envelope[-1] > large) & (_tends_to(envelope) > held))
+        return np.where(away, np.nan, envelope[-1]), hunts, march.state.reshape(state.shape)
+
+    for _ in range(_SETTLING):
+        envelope, hunts_on, state = stay(V[-1:].reshape((1,) * len(system.shape)), first[1])
+        if (hunts_on | ~(envelope > large)).all():
+            break
+        first[1] = state
+    state = first
+    found, hunts = np.empty((len(V), *shape)), np.empty((len(V), *shape), dtype=bool)
+    for k, pair in enumerate(zip(V, V[::-1], strict=True)):
+        speed = np.reshape(pair, (2,) + (1,) * len(system.shape))
+        found[k], hunts[k], state = stay(speed, state)
+        state = np.where((found[k] < small)[..., None], nudge, state)
+        state = np.where(np.isnan(found[k])[..., None], first, state)
     found, hunts = (np.moveaxis(part, 0, -1) for part in (found, hunts))
     return _ramp(V, found[0], found[1, ..., ::-1], hunts[0], hunts[1, ..., ::-1], dwell)
 
@@ -548,7 +559,8 @@ def _sinks(envelope: Array, when: Array) -> Array:
     if len(envelope) <= _LOOKED_AT:
         return np.zeros(envelope.shape[1], dtype=bool)
     recent = np.maximum(envelope[-_LOOKED_AT:], np.finfo(float).tiny)
-    rate = -np.diff(np.log(recent), axis=0) / np.diff(when[-_LOOKED_AT:], axis=0)
+    time = np.diff(when[-_LOOKED_AT:], axis=0)
+    rate = -np.diff(np.log(recent), axis=0) / np.where(time > 0, time, np.inf)
     abates = np.diff(rate, axis=0) < -_ABATES * rate[1:]
     return np.logical_and.reduce(rate > 0) & ~np.logical_or.reduce(abates)
 

@@ -20,7 +20,8 @@ class Dashboard:
     def open(self, search=""):
         self.page.goto(f"{self.url}/{search}")
         self.page.wait_for_function(IDLE)
-        self.page.locator("[data-row=Ky]").first.wait_for(state="attached")
+        self.page.locator(".card.stability canvas").first.wait_for(state="attached")
+        self.page.wait_for_function(IDLE)
         return self
 
     def slider(self, name):

@@ -9,12 +9,12 @@ import pytest
 
 from hunting_app.study.jobs import Workers
 
-SECONDS = 90_000  # ms; a loaded machine starts processes slowly
+LONG = 90_000  # ms; a loaded machine starts processes slowly
 
 
 @pytest.fixture
 def study(served, page):
-    page.set_default_timeout(SECONDS)
+    page.set_default_timeout(LONG)
     page.goto(f"{served.url}/app?page=study")
     page.get_by_text("Studied here").wait_for()
     return page
@@ -31,7 +31,7 @@ def saved(study, download):
 
 
 def test_the_page_is_made_when_it_is_first_opened(served, page):
-    page.set_default_timeout(SECONDS)
+    page.set_default_timeout(LONG)
     page.goto(f"{served.url}/app")
     page.get_by_role("button", name="Study", exact=True).wait_for()
     assert page.get_by_text("Studied here").count() == 0

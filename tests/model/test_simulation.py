@@ -82,9 +82,10 @@ def test_without_flange_and_damper_motion_is_the_matrix_exponential(vehicle, sam
     system = replace(vehicle(RECONSTRUCTED), elements=())
     start = np.random.default_rng(1).normal(size=len(system.states)) * 1e-3
     moved = simulate(system, 41.0, start, 1.0, samples=samples)
-    exact = expm(system.matrix(41.0) * moved.time[:, None, None]) @ start
+    some = np.linspace(0, len(moved.time) - 1, 8).astype(int)
+    exact = expm(system.matrix(41.0) * moved.time[some, None, None]) @ start
     scale = np.abs(exact).max(axis=0)
-    assert np.abs((moved.state - exact) / scale).max() < 1e-10
+    assert np.abs((moved.state[some] - exact) / scale).max() < 1e-10
 
 
 def test_a_free_body_between_two_rails_bounces_with_the_period_of_flight_and_rebound():
@@ -92,7 +93,7 @@ def test_a_free_body_between_two_rails_bounces_with_the_period_of_flight_and_reb
     rebound, flight = np.pi / np.sqrt(8e5 / 2), 0.02 / 0.5
     period = 2 * (rebound + flight)
     moved = simulate(system, 1.0, [0.0, 0.5], 20 * period)
-    assert np.diff(moved.crest_time) == pytest.approx(period / 2, rel=1e-9)
+    assert np.diff(moved.crest_time) == pytest.approx(period / 2, rel=1e-6)
     depth = 0.5 / np.sqrt(8e5 / 2)
     assert moved.crest == pytest.approx(0.01 + depth, rel=1e-9)
     assert moved.peak_forces["flange force"] == pytest.approx(8e5 * depth, rel=1e-7)
@@ -217,7 +218,7 @@ def test_a_disturbance_inside_the_unstable_cycle_dies_out_and_one_outside_grows(
     inside, outside = moved.peak(since=28.0)
     assert inside < 0.9 * cycle[0]
     assert outside > DELTA
-    found = decays(vehicle(RECONSTRUCTED), speed, np.outer([0.9, 1.1], cycle))
+    found = decays(vehicle(RECONSTRUCTED), speed, np.outer([0.9, 1.1], cycle), share=0.1)
     assert found.dies_out.tolist() == [True, False]
     assert found.decided.all()
 
@@ -388,6 +389,15 @@ def test_a_short_horizon_leaves_it_undecided_and_says_so():
     assert not found.dies_out
     assert np.isnan(found.time)
     assert found.message.startswith("undecided after 3 s: ")
+
+
+def test_what_shrinks_ever_faster_dies_out_though_the_horizon_comes_first():
+    speed, cycle = on_the_cycle(bogie)
+    found = decays(bogie(RECONSTRUCTED), speed, 0.8 * cycle, horizon=50.0)
+    assert found.dies_out
+    assert found.decided
+    assert np.isnan(found.time)
+    assert found.message.startswith("dies out, but not within 50 s: ")
 
 
 def test_a_runaway_does_not_die_out():
