@@ -16,8 +16,13 @@ LONG = 90_000  # ms; a loaded machine starts processes slowly
 def study(served, page):
     page.set_default_timeout(LONG)
     page.goto(f"{served.url}/app?page=study")
-    page.get_by_text("Studied here").wait_for()
+    wait_for_the_figures(page)
     return page
+
+
+def wait_for_the_figures(page):
+    """Tornado complains of a page that goes while it is being drawn on."""
+    page.get_by_text(re.compile(r"of the paper’s \d+ statements hold")).wait_for()
 
 
 def turn_to(study, section):
@@ -36,12 +41,11 @@ def test_the_page_is_made_when_it_is_first_opened(served, page):
     page.get_by_role("button", name="Study", exact=True).wait_for()
     assert page.get_by_text("Studied here").count() == 0
     page.get_by_role("button", name="Study", exact=True).click()
-    page.get_by_text("Studied here").wait_for()
+    wait_for_the_figures(page)
     assert not page.get_by_text("Phase portraits").first.is_visible()
 
 
 def test_figures_come_with_their_verdicts_and_as_csv(study):
-    study.get_by_text(re.compile(r"of the paper’s \d+ statements hold")).wait_for()
     assert study.get_by_role("img", name=re.compile(r"^Fig\. \d+: ")).count() == 11
     verdict = study.get_by_text("a heavier wheelset lowers the linear speed")
     assert re.search(r"(Holds|Does not hold).*curves fall", verdict.inner_text())
@@ -63,9 +67,6 @@ def test_a_long_map_shows_progress_and_can_be_cancelled(study):
     assert study.get_by_role("progressbar", name="progress").count()
     turn_to(study, "Cancel")
     study.get_by_text("Cancelled.").wait_for()
-    turn_to(study, "Compute the map")
-    study.get_by_text("of 40,000 points").wait_for()
-    turn_to(study, "Cancel")
 
 
 def test_a_click_on_the_map_takes_that_design_to_explore(study):
