@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from hunting_app.picture import Answers, Moment
 
 BESIDE = (0.9, 1.1)  # what the two disturbances are of the unstable cycle
-_SHOWN = {False: 30.0, True: 60.0}  # s of one motion, of two beside the unstable cycle
+_SHOWN = {False: 15.0, True: 60.0}  # s of one motion, of two beside the unstable cycle
 HORIZON = 300.0  # s over which the end of a motion is looked for
 _SAMPLES = 80.0  # 1/s: some 35 in a hunting period
 

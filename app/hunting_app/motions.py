@@ -118,12 +118,15 @@ class Motions:
             self.text.html = verdicts.motion(motion, motion.decay())
             return
 
-        def tell(found: Future[Decay]) -> None:
+        def judge() -> Decay | None:
+            return motion.decay() if motion is self.motion else None
+
+        def tell(found: Future[Decay | None]) -> None:
             doc.add_next_tick_callback(partial(self._say, motion, found.result()))
 
-        _JUDGES.submit(motion.decay).add_done_callback(tell)
+        _JUDGES.submit(judge).add_done_callback(tell)
 
-    def _say(self, motion: Disturbed, decay: Decay) -> None:
+    def _say(self, motion: Disturbed, decay: Decay | None) -> None:
         if motion is self.motion:
             self.text.html = verdicts.motion(motion, decay)
 
