@@ -77,16 +77,12 @@ class Field:
         ValueError
             If it is not finite or outside the field's bounds.
         """
-        wrong_type = TypeError(
-            f"{self.name} must be a real number or a non-empty array of them [{self.unit}], "
-            f"got {value!r}"
-        )
         try:
             raw = np.asarray(value)
         except ValueError:
-            raise wrong_type from None
+            raise self._wrong_type(value) from None
         if raw.dtype.kind not in "iuf" or raw.size == 0:
-            raise wrong_type
+            raise self._wrong_type(value)
         array = raw.astype(float)
         allowed = np.isfinite(array)
         if self.minimum is not None:
@@ -98,6 +94,12 @@ class Field:
             return float(array)
         array.flags.writeable = False
         return array
+
+    def _wrong_type(self, value: object) -> TypeError:
+        return TypeError(
+            f"{self.name} must be a real number or a non-empty array of them [{self.unit}], "
+            f"got {value!r}"
+        )
 
 
 def _of(

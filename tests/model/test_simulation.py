@@ -145,7 +145,7 @@ def test_motions_equal_those_of_radau(vehicle, share):
     times, heights, end = Radau(RECONSTRUCTED, speed, len(cycle)).motion(share * cycle, 20.0)
     moved = simulate(vehicle(RECONSTRUCTED), speed, share * cycle, 20.0)
     assert moved.peak(since=19.0) == pytest.approx(heights[times >= 19].max(), rel=1e-5)
-    assert np.abs(moved.state[-1] - end).max() < 1e-4 * np.abs(cycle).max()
+    assert (np.abs(moved.state[-1] - end) / np.abs(moved.state).max(axis=0)).max() < 1e-4
     close = simulate(vehicle(RECONSTRUCTED), speed, share * cycle, 20.0, tolerance=1e-8)
     assert close.peak(since=19.0) == pytest.approx(heights[times >= 19].max(), rel=1e-7)
 
@@ -417,11 +417,12 @@ def test_a_runaway_does_not_die_out():
 def test_a_ramp_down_loses_the_hunt_within_half_a_km_h_of_the_fold(case):
     fold = KMH * case["fold"]["speed"]
     step = 0.25
-    speeds = np.arange(fold - 0.6 * step - 4 * step, fold + 8 * step, step) / KMH
-    found = speed_ramp(system_of(case), speeds, dwell=20.0)
+    speeds = np.arange(fold - 3.6 * step, fold + 8 * step, step) / KMH
+    dwell = 60.0 if case["fold"]["kind"] == "smooth" else 20.0  # about a smooth one all is slow
+    found = speed_ramp(system_of(case), speeds, dwell=dwell)
     assert 0 <= KMH * found.jump_down - fold <= 0.5
     assert found.step == pytest.approx(step / KMH)
-    assert found.dwell == 20.0
+    assert found.dwell == dwell
 
 
 def test_a_ramp_up_finds_hunting_at_a_higher_speed_than_a_ramp_down():
