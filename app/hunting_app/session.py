@@ -91,8 +91,9 @@ class Session:
         send_at_once()
         with pn.io.hold():
             try:
-                for act in acts:
-                    self._do(act)
+                with self.explore.feed.one_update():
+                    for act in acts:
+                        self._do(act)
             finally:
                 self._show()
 

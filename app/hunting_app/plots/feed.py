@@ -7,7 +7,8 @@ in the browser, costs two.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -34,6 +35,7 @@ class Feed:
     def __init__(self) -> None:
         self.sources: list[ColumnDataSource] = []
         self._staged: dict[str, Columns] = {}
+        self._waits = False
         self._channel = ColumnDataSource({"packed": np.zeros(0)})
         self._take_apart = CustomJS(code=_TAKE_APART)
         self._channel.js_on_change("data", self._take_apart)
@@ -57,8 +59,20 @@ class Feed:
         """Give a source new columns of one length, with the next `send`."""
         self._staged[source.id] = columns
 
+    @contextmanager
+    def one_update(self) -> Iterator[None]:
+        """Send all at the end: of two arrays in one update the browser gets but the last."""
+        self._waits = True
+        try:
+            yield
+        finally:
+            self._waits = False
+            self.send()
+
     def send(self) -> None:
         """Show what was put since the last time."""
+        if self._waits:
+            return
         parts: list[Sequence[float] | NDArray[np.float64]] = []
         for source in self.sources:
             columns = self._staged.get(source.id)
