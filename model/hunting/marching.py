@@ -330,7 +330,7 @@ class March:
             u = np.where(converged[:, None], u, u + change)  # no motion depends on the others
             size = np.maximum(np.abs(u).max(axis=1), _TINY)
             # The error left is of the order of the square of the last relative change.
-            converged |= np.abs(change).max(axis=1) <= np.sqrt(0.1 * self.tolerance) * size
+            converged |= np.abs(change).max(axis=1) <= np.sqrt(0.01 * self.tolerance) * size
             if converged.all():
                 break
         size = np.abs(u.reshape(N, STAGES, self.p)).max(axis=1)

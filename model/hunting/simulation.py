@@ -130,8 +130,8 @@ def simulate(
     Exponential collocation, see `hunting.collocation`: the linear part is propagated exactly,
     whatever its stiffness, the damper's force by a polynomial of degree 7 in each step, and steps
     end where a contact opens or closes or the damper's velocity changes sign. Measured error of
-    the peak |y| in the last of 20 s, relative: at most 1.3e-6 for a hundred motions of the bogie
-    between 133 and 149 km/h at the default tolerance and 4e-8 at 1e-5; at most 4e-5 for 270
+    the peak |y| in the last of 20 s, relative: at most 1.4e-6 for a hundred motions of the bogie
+    between 133 and 149 km/h at the default tolerance and 2e-7 at 1e-5; at most 4e-5 for 270
     motions of vehicles drawn at random within a factor of 2.
 
     Examples
