@@ -8,15 +8,6 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from subjects import (
-    FIELDS,
-    both_vehicles,
-    members,
-    near_reconstructed,
-    reference_cases,
-    stack_near_reconstructed,
-    system_of,
-)
 
 from hunting import (
     RECONSTRUCTED,
@@ -26,6 +17,15 @@ from hunting import (
     bogie,
     hopf_points,
     wheelset,
+)
+from tests.model.subjects import (
+    FIELDS,
+    both_vehicles,
+    members,
+    near_reconstructed,
+    reference_cases,
+    stack_near_reconstructed,
+    system_of,
 )
 
 HARDENING = RECONSTRUCTED.replace(C2=5.14e5)  # as Table 1 prints it: supercritical

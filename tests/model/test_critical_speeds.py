@@ -6,16 +6,6 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from subjects import (
-    KMH,
-    both_vehicles,
-    members,
-    near_reconstructed,
-    reference_cases,
-    stack_near_reconstructed,
-    stack_within_spans,
-    system_of,
-)
 
 from hunting import (
     RECONSTRUCTED,
@@ -25,6 +15,16 @@ from hunting import (
     eigenvalues,
     hopf_points,
     wheelset,
+)
+from tests.model.subjects import (
+    KMH,
+    both_vehicles,
+    members,
+    near_reconstructed,
+    reference_cases,
+    stack_near_reconstructed,
+    stack_within_spans,
+    system_of,
 )
 
 HARDENING = RECONSTRUCTED.replace(C2=5.14e5)  # as Table 1 prints it: supercritical

@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from subjects import FIELDS, VEHICLES, both_vehicles, members, near_reconstructed
 
 from hunting import (
     RECONSTRUCTED,
@@ -20,6 +19,7 @@ from hunting import (
     hopf_points,
     wheelset,
 )
+from tests.model.subjects import FIELDS, VEHICLES, both_vehicles, members, near_reconstructed
 
 # ---------------------------------------------------------------- a transcription
 

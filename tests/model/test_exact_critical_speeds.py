@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from subjects import (
+
+from hunting import RECONSTRUCTED, TABLE_1, bogie, critical_speeds, limit_cycles, wheelset
+from tests.model.subjects import (
     KMH,
     VEHICLES,
     both_vehicles,
@@ -16,8 +18,6 @@ from subjects import (
     stack_near_reconstructed,
     system_of,
 )
-
-from hunting import RECONSTRUCTED, TABLE_1, bogie, critical_speeds, limit_cycles, wheelset
 
 
 @pytest.mark.parametrize(("vehicle", "kmh"), [(wheelset, 143.73), (bogie, 138.87)])

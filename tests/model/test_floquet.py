@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
-from subjects import both_vehicles
 
 from hunting import RECONSTRUCTED, limit_cycles
+from tests.model.subjects import both_vehicles
 
 
 @both_vehicles

@@ -6,11 +6,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from subjects import both_vehicles
 
 from hunting import RECONSTRUCTED, averaging, limit_cycles
 from hunting.harmonic_balance import Balance, Cycles, at_amplitude
 from hunting.ports import Ports, orders_up_to, response
+from tests.model.subjects import both_vehicles
 
 DELTA = RECONSTRUCTED.delta
 AMPLITUDES = pytest.mark.parametrize("Y", [0.4 * DELTA, 1.02 * DELTA], ids=["free", "touching"])

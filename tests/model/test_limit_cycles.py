@@ -4,14 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from subjects import (
-    REFERENCE,
-    both_vehicles,
-    members,
-    reference_cases,
-    stack_near_reconstructed,
-    system_of,
-)
 
 from hunting import (
     RECONSTRUCTED,
@@ -22,6 +14,14 @@ from hunting import (
     limit_cycles,
     simulate,
     wheelset,
+)
+from tests.model.subjects import (
+    REFERENCE,
+    both_vehicles,
+    members,
+    reference_cases,
+    stack_near_reconstructed,
+    system_of,
 )
 
 NEARER = (3, 7, 15, 31, 63)  # harmonics

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from subjects import FIELDS
 
 from hunting import RECONSTRUCTED, TABLE_1, Parameters
+from tests.model.subjects import FIELDS
 
 TABLE_1_AS_PRINTED = """
     m_w   264.448    kg

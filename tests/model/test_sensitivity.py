@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from subjects import FIELDS, REFERENCE, both_vehicles, reference_cases, system_of
 
 from hunting import (
     RECONSTRUCTED,
@@ -16,6 +15,7 @@ from hunting import (
     sensitivity,
     wheelset,
 )
+from tests.model.subjects import FIELDS, REFERENCE, both_vehicles, reference_cases, system_of
 
 NAMES = [f.name for f in FIELDS]
 VEHICLES = {"wheelset": wheelset, "bogie": bogie}

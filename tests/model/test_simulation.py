@@ -10,16 +10,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 from scipy.linalg import expm
-from subjects import (
-    KMH,
-    REFERENCE,
-    both_vehicles,
-    members,
-    near_reconstructed,
-    reference_cases,
-    stack_near_reconstructed,
-    system_of,
-)
 
 from hunting import (
     RECONSTRUCTED,
@@ -37,6 +27,16 @@ from hunting import (
 )
 from hunting.collocation import phi_functions
 from hunting.crossings import first_crossing
+from tests.model.subjects import (
+    KMH,
+    REFERENCE,
+    both_vehicles,
+    members,
+    near_reconstructed,
+    reference_cases,
+    stack_near_reconstructed,
+    system_of,
+)
 from verification.radau import Radau
 
 DELTA = RECONSTRUCTED.delta

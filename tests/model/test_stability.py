@@ -8,15 +8,6 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from subjects import (
-    both_vehicles,
-    members,
-    near_reconstructed,
-    reference_cases,
-    stack_near_reconstructed,
-    stack_within_spans,
-    system_of,
-)
 
 from hunting import (
     RECONSTRUCTED,
@@ -26,6 +17,15 @@ from hunting import (
     eigenvalues,
     hopf_points,
     wheelset,
+)
+from tests.model.subjects import (
+    both_vehicles,
+    members,
+    near_reconstructed,
+    reference_cases,
+    stack_near_reconstructed,
+    stack_within_spans,
+    system_of,
 )
 
 LOW, HIGH = 1.0, 400.0

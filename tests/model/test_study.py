@@ -13,7 +13,6 @@ from multiprocessing import get_context
 
 import numpy as np
 import pytest
-from subjects import both_vehicles
 
 from hunting import (
     RECONSTRUCTED,
@@ -31,6 +30,7 @@ from hunting import (
 )
 from hunting.claims import Curves, falls_and_flattens, follows_no_rule, goes, stays, turns_down
 from hunting.study import KY_FACTORS, NUMBERS
+from tests.model.subjects import both_vehicles
 
 AXES = {"Ky": np.geomspace(4e4, 2e5, 7), "lam": np.linspace(0.03, 0.2, 5)}
 QUANTITIES = ("linear", "nonlinear", "amplitude", "frequency", "criticality", "message")
