@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 import re
 
+from hunting.display import written as written
+
 _GROUPED = re.compile(r"[+-]?\d{1,3}(,\d{3})+(\.\d*)?([eE][+-]?\d+)?")
 _PLAIN = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?")
 
@@ -38,25 +40,6 @@ def parsed(text: str) -> float:
             f"“{shown}” is not clear: write a point for decimals, commas only between thousands"
         )
     raise ValueError(f"“{shown}” is not a number" if shown else "a number is missing")
-
-
-def written(value: float) -> str:
-    """Return a number as people write it, to seven digits.
-
-    Examples
-    --------
-    >>> written(86700.0), written(1.5913e7), written(0.00923), written(-905000.0)
-    ('86,700', '1.5913e7', '0.00923', '−905,000')
-    """
-    size = abs(value)
-    if size and not 1e-4 <= size < 1e6:
-        digits, exponent = f"{value:.6e}".split("e")
-        text = f"{digits.rstrip('0').rstrip('.')}e{int(exponent)}"
-    else:
-        places = 0 if size == 0 else max(0, 6 - math.floor(math.log10(size)))
-        text = f"{value:,.{places}f}"
-        text = text.rstrip("0").rstrip(".") if "." in text else text
-    return text.replace("-", "−")
 
 
 def compact(value: float) -> str:

@@ -15,6 +15,7 @@ from hunting.bogoliubov import (
     averaging,
     default_amplitudes,
 )
+from hunting.display import speeds_html, speeds_text
 from hunting.elements import Array
 from hunting.limit_cycles import MORE_HARMONICS, limit_cycles
 from hunting.lure import LureSystem
@@ -26,7 +27,7 @@ _BRACKET = 64  # amplitudes that bracket a fold
 _CHUNK = 250  # systems solved for at once
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class CriticalSpeeds:
     """Critical speeds of one system, or of a stack of them.
 
@@ -63,6 +64,13 @@ class CriticalSpeeds:
     criticality: str | Array
     windows: list[tuple[float, float]] | Array
     message: str | Array
+
+    def __repr__(self) -> str:
+        return speeds_text(self)
+
+    def _repr_html_(self) -> str:
+        """Return what a notebook shows."""
+        return speeds_html(self)
 
     def __str__(self) -> str:
         if np.ndim(self.linear):

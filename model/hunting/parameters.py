@@ -15,6 +15,7 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import ArrayLike
 
+from hunting.display import parameters_html, parameters_text
 from hunting.elements import Coefficient
 
 
@@ -131,7 +132,7 @@ _DAMPER = "yaw damper"
 _FRAME = "frame"
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Parameters:
     """The 22 parameters of the wheelset and its bogie frame, in SI units.
 
@@ -159,6 +160,8 @@ class Parameters:
     >>> softer = RECONSTRUCTED.replace(Ky=6e4)
     >>> softer.Ky
     60000.0
+    >>> print(repr(softer).splitlines()[8])
+    Ky     K_y      60,000  N/m      lateral stiffness
     >>> RECONSTRUCTED.replace(Ky=np.linspace(4e4, 8e4, 5)).shape
     (5,)
     >>> RECONSTRUCTED.replace(Kr=-3)
@@ -422,6 +425,13 @@ class Parameters:
         )
 
     __hash__ = None  # type: ignore[assignment]  # arrays have none
+
+    def __repr__(self) -> str:
+        return parameters_text(self)
+
+    def _repr_html_(self) -> str:
+        """Return the table that a notebook shows."""
+        return parameters_html(self)
 
     def to_dict(self) -> dict[str, Any]:
         """Return the fields as a dict of floats and (nested) lists."""
