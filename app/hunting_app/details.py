@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 
     from bokeh.models import ColumnDataSource
 
+    from hunting_app.exports.files import Files
     from hunting_app.picture import Picture
     from hunting_app.plots.base import Plot
     from hunting_app.plots.feed import Feed
@@ -32,12 +33,14 @@ class Details:
         feed: Feed,
         cursor: ColumnDataSource,
         act: Callable[[dict[str, Any]], None],
+        files: Files,
     ) -> None:
-        self.state = state
+        self.state, self.files = state, files
         self.portraits = Portraits(feed)
         self.stability = {"damping": Damping(feed, cursor), "locus": Locus(feed)}
-        self.motions = Motions(state, feed, act)
-        self.portraits.follow(self.motions)
+        self.motions = Motions(state, feed, act, files.menu("motion"))
+        self.motions.on_reach = self.portraits.include
+        self.portraits.follow(self.motions.curves.sources)
         self.plots: list[Plot] = [
             *self.portraits.plots.values(),
             *self.stability.values(),
@@ -73,7 +76,16 @@ class Details:
         curves = [plot.figure for plot in self.stability.values()]
         said_of_curves = self.panes["stability"]
         return [
-            column("card portraits", self.panes["portraits"], *portraits),
+            block(
+                "card portraits",
+                self.files.menu("portraits"),
+                column("curves", self.panes["portraits"], *portraits),
+            ),
             self.motions,
-            block("card stability", self.choice, column("curves", said_of_curves, *curves)),
+            block(
+                "card stability",
+                self.files.menu("stability"),
+                self.choice,
+                column("curves", said_of_curves, *curves),
+            ),
         ]

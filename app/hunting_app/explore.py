@@ -11,6 +11,7 @@ from bokeh.events import Tap
 from hunting_app import words
 from hunting_app.blocks import LAYOUT, block, button, column, said
 from hunting_app.details import Details
+from hunting_app.exports.files import Files
 from hunting_app.markup import Html, text
 from hunting_app.pace import send_at_once
 from hunting_app.palette import palette
@@ -44,6 +45,7 @@ class Explore:
             self.texts[name], self.panes[name] = text(name)
         self.branches = Html(act, css_classes=["toggles"], stylesheets=[LAYOUT])
         self.details: Details | None = None
+        self.files = Files(state, lambda: self.details.motions if self.details else None)
         self._drawn: tuple[Any, ...] = ()
         self._exact: tuple[Any, ...] = ()
         self._late: Any = None
@@ -54,6 +56,7 @@ class Explore:
             column("strip", self.panes["answers"]),
             block(
                 "card diagram",
+                self.files.menu("bifurcation"),
                 self.branches,
                 column("curves", self.panes["bifurcation"], self.bifurcation.figure),
             ),
@@ -68,7 +71,9 @@ class Explore:
     def _complete(self) -> None:
         """Add the details."""
         with pn.io.hold():
-            self.details = Details(self.state, self.feed, self.bifurcation.cursor, self.act)
+            self.details = Details(
+                self.state, self.feed, self.bifurcation.cursor, self.act, self.files
+            )
             self.plots += self.details.plots
             self.texts |= self.details.texts
             self._drawn, self._dressed, self._vehicles = (), None, set()

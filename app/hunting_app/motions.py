@@ -6,28 +6,25 @@ from concurrent.futures import Future, ThreadPoolExecutor
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
 import panel as pn
 
 from hunting_app import verdicts
 from hunting_app.blocks import block, button, column, said
-from hunting_app.disturbance import Disturbed, contacts, disturbed
+from hunting_app.disturbance import Disturbed, disturbed
 from hunting_app.markup import Html, text
 from hunting_app.picture import picture
 from hunting_app.plan import Plan
-from hunting_app.plots.history import History
-from hunting_app.plots.portraits import COORDINATES
+from hunting_app.plots.history import History, Motion
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from hunting.simulation import Decay
+    from hunting_app.exports.menu import Menu
     from hunting_app.picture import Picture
     from hunting_app.plots.feed import Feed
     from hunting_app.state import State
 
-ROLES = ("motion", "hunting")  # the palette's colours of the only or inner motion, of the outer one
-_COLUMNS = ("t", *(name for c in COORDINATES for name in (c.symbol, f"{c.symbol}'")))
 _JUDGES = ThreadPoolExecutor(1, thread_name_prefix="verdict")
 
 
@@ -39,12 +36,12 @@ class Motions:
     away, and simulated anew when the hand rests.
     """
 
-    def __init__(self, state: State, feed: Feed, act: Callable[[dict[str, Any]], None]) -> None:
-        self.state, self.feed = state, feed
-        self.sources = {role: feed.source(*_COLUMNS) for role in ROLES}
-        for role, source in self.sources.items():
-            source.name = f"motion-{role}"
-        self.history = History(feed, self.sources)
+    def __init__(
+        self, state: State, feed: Feed, act: Callable[[dict[str, Any]], None], menu: Menu
+    ) -> None:
+        self.state, self.feed, self.menu = state, feed, menu
+        self.curves = Motion(feed)
+        self.history = History(feed, self.curves.sources)
         self.plots = self.history.lanes
         self.text, self.pane = text("motion")
         self.buttons = Html(act)
@@ -98,15 +95,9 @@ class Motions:
             self._show(self.motion, shown.clearance)
 
     def _show(self, motion: Disturbed, clearance: float) -> None:
-        reach = dict.fromkeys(_COLUMNS[1:], 0.0)
-        for index, role in enumerate(ROLES[: len(motion.sizes)]):
-            columns = {name: motion.column(name, index) for name in _COLUMNS[1:]}
-            self.feed.put(self.sources[role], {"t": motion.trajectory.time, **columns})
-            for symbol in reach:
-                reach[symbol] = max(reach[symbol], float(np.nanmax(np.abs(columns[symbol]))))
+        reach = self.curves.put(motion)
         self.on_reach(reach)
-        time = motion.trajectory.time
-        self.history.draw(reach, float(time[-1]), contacts(time, motion.touching()))
+        self.history.draw(reach, motion)
         self.plan.param.update(clearance=clearance, present=True)
         self.text.html = verdicts.motion(motion, None)
         self._judge(motion)
@@ -133,8 +124,7 @@ class Motions:
     def _clear(self) -> None:
         self.motion = None
         self._of = ()
-        for source in self.sources.values():
-            self.feed.put(source, {name: [] for name in _COLUMNS})
+        self.curves.clear()
         self.history.clear()
         self.on_reach({})
         self.plan.present = False
@@ -144,6 +134,7 @@ class Motions:
         lanes = [lane.figure for lane in self.plots.values()]
         return block(
             "card motion",
+            self.menu,
             self.buttons,
             column("said", self.pane),
             block("side-by-side", column("curves", *lanes), self.plan),

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from hunting_app.disturbance import contacts
 from hunting_app.numerals import rounded_up
 from hunting_app.plots.base import Plot
 from hunting_app.plots.portraits import COORDINATES
@@ -13,8 +14,36 @@ from hunting_app.plots.portraits import COORDINATES
 if TYPE_CHECKING:
     from bokeh.models import ColumnDataSource
 
-    from hunting.elements import Array
+    from hunting_app.disturbance import Disturbed
     from hunting_app.plots.feed import Feed
+
+ROLES = ("motion", "hunting")  # the palette's colours of the only or inner motion, of the outer one
+_COLUMNS = ("t", *(name for c in COORDINATES for name in (c.symbol, f"{c.symbol}'")))
+
+
+class Motion:
+    """The sources of simulated motions, which several plots draw."""
+
+    def __init__(self, feed: Feed) -> None:
+        self.feed = feed
+        self.sources = {role: feed.source(*_COLUMNS) for role in ROLES}
+        for role, source in self.sources.items():
+            source.name = f"motion-{role}"
+
+    def put(self, motion: Disturbed) -> dict[str, float]:
+        """Show motions; return how far they reach [mm, mrad or per second], by symbol."""
+        reach = dict.fromkeys(_COLUMNS[1:], 0.0)
+        for index, role in enumerate(ROLES[: len(motion.sizes)]):
+            columns = {name: motion.column(name, index) for name in _COLUMNS[1:]}
+            self.feed.put(self.sources[role], {"t": motion.trajectory.time, **columns})
+            for symbol in reach:
+                reach[symbol] = max(reach[symbol], float(np.nanmax(np.abs(columns[symbol]))))
+        return reach
+
+    def clear(self) -> None:
+        """Show none."""
+        for source in self.sources.values():
+            self.feed.put(source, {name: [] for name in _COLUMNS})
 
 
 class History:
@@ -46,12 +75,14 @@ class History:
                 lane.add("line", source, {"line_color": role}, x="t", y=c.symbol, line_width=1)
         self.lanes[COORDINATES[-1].symbol].figure.xaxis.axis_label = "time t [s]"
 
-    def draw(self, reach: dict[str, float], duration: float, contact: tuple[Array, Array]) -> None:
+    def draw(self, reach: dict[str, float], motion: Disturbed) -> None:
         """Set the axes and shade the contacts; the motions are in their sources."""
-        self.feed.put(self.contacts, {"from": contact[0], "to": contact[1]})
+        time = motion.trajectory.time
+        begins, ends = contacts(time, motion.touching())
+        self.feed.put(self.contacts, {"from": begins, "to": ends})
         for symbol, lane in self.lanes.items():
             end = rounded_up(1.05 * reach[symbol]) if reach[symbol] else 1.0
-            lane.frame((0.0, duration), (-end, end))
+            lane.frame((0.0, float(time[-1])), (-end, end))
 
     def clear(self) -> None:
         """Shade nothing."""

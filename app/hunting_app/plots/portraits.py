@@ -13,7 +13,8 @@ from hunting_app.plots.base import Plot, joined
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from hunting_app.motions import Motions
+    from bokeh.models import ColumnDataSource
+
     from hunting_app.picture import Picture
     from hunting_app.plots.feed import Columns, Feed
 
@@ -69,11 +70,10 @@ class Portraits:
             plot.add("scatter", self.centre[v], hollow, x="x", y="unstable", size=7)
         return plot
 
-    def follow(self, motions: Motions) -> None:
-        """Draw simulated motions on top, and make room for them."""
-        motions.on_reach = self._include
+    def follow(self, motions: dict[str, ColumnDataSource]) -> None:
+        """Draw simulated motions on top."""
         for c in COORDINATES:
-            for role, source in reversed(motions.sources.items()):
+            for role, source in reversed(motions.items()):
                 self.plots[c.symbol].add(
                     "line", source, {"line_color": role}, x=c.symbol, y=f"{c.symbol}'",
                     line_width=1, line_alpha=0.75,
@@ -102,7 +102,7 @@ class Portraits:
         self._cycles = reach
         self._frame()
 
-    def _include(self, reach: dict[str, float]) -> None:
+    def include(self, reach: dict[str, float]) -> None:
         """Make room for motions that reach so far [mm, mrad or per second], by symbol."""
         self._motions = reach
         self._frame()
