@@ -48,8 +48,8 @@ def test_a_disturbance_below_the_fold_dies_out_in_as_long_as_the_model_says(sess
 def test_a_motion_begins_with_the_displacement_that_was_clicked(session):
     session.act({"disturbance": 6.0, "speed": 142.0})
     motions = session.explore.details.motions
-    assert column(motions.sources["motion"], "y")[0] == pytest.approx(6.0)
-    assert not column(motions.sources["hunting"], "y").size
+    assert column(motions.curves.sources["motion"], "y")[0] == pytest.approx(6.0)
+    assert not column(motions.curves.sources["hunting"], "y").size
 
 
 def test_the_peak_flange_force_is_that_of_the_spring(session):
@@ -73,7 +73,8 @@ def test_beside_the_unstable_cycle_one_motion_shrinks_and_one_grows(vehicle):
 
 def test_both_motions_are_drawn(session):
     session.act({"pair": "yes"})
-    inside, outside = (column(s, "y") for s in session.explore.details.motions.sources.values())
+    motions = session.explore.details.motions
+    inside, outside = (column(s, "y") for s in motions.curves.sources.values())
     late = len(inside) // 2
     assert np.abs(inside[late:]).max() < np.abs(inside[:late]).max()
     assert np.abs(outside[late:]).max() > np.abs(outside[:late]).max()
@@ -100,15 +101,15 @@ def test_table_1_stays_in_words():
 def test_a_motion_of_other_parameters_is_taken_away_until_the_hand_rests(session):
     session.act({"disturbance": 6.0, "speed": 142.0})
     session.act({"set": "Ky", "to": 1e5})
-    assert not column(session.explore.details.motions.sources["motion"], "y").size
+    assert not column(session.explore.details.motions.curves.sources["motion"], "y").size
     session.act({"rest": True})
-    assert column(session.explore.details.motions.sources["motion"], "y").size
+    assert column(session.explore.details.motions.curves.sources["motion"], "y").size
 
 
 def test_the_portraits_make_room_for_the_motion():
     session = Session("?preset=table1&disturbance=5")
     details = session.explore.details
-    largest = np.abs(column(details.motions.sources["motion"], "z")).max()
+    largest = np.abs(column(details.motions.curves.sources["motion"], "z")).max()
     axis = details.portraits.plots["z"].figure.x_range
     assert axis.end > largest > 1
     session.act({"disturbance": 0})
