@@ -17,6 +17,7 @@ from hunting_app.picture import picture
 from hunting_app.sidebar import Sidebar
 from hunting_app.state import (
     CHOICES,
+    FIELDS,
     State,
     with_choice,
     with_disturbance,
@@ -24,6 +25,7 @@ from hunting_app.state import (
     with_reset,
     with_value,
 )
+from hunting_app.units import SI, scale
 
 _SETTLED = {
     "rest",
@@ -34,6 +36,7 @@ _SETTLED = {
     "averaged",
     "disturbance",
     "pair",
+    "units",
 }  # acts after which the address bar is brought up
 
 
@@ -131,7 +134,9 @@ class Session:
 
     def _change(self, act: dict[str, Any]) -> dict[str, Any]:
         match act:
-            case {"set": name, "to": value}:
+            case {"set": name, "to": value, **rest}:
+                if name in FIELDS:  # the browser may not know yet that the units have changed
+                    value = scale(name, rest.get("units", SI)).read(value)
                 return with_value(self.state, name, value)
             case {"reset": list(names)}:
                 for name in names:

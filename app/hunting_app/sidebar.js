@@ -99,18 +99,16 @@ function symbol(row) {
 /** One parameter: symbol, slider, box, unit, reset. */
 class Row {
   constructor(row, channel, tip) {
-    this.row = row;
     this.channel = channel;
-    this.scale = new Scale(row);
     const id = `row-${row.name}`;
     this.slider = element("input", {
-      type: "range", id, min: 0, max: FINE, step: 1, "aria-label": `${row.label} [${row.unit}]`,
+      type: "range", id, min: 0, max: FINE, step: 1,
       "aria-describedby": `${id}-meaning`, "data-name": row.name,
       oninput: () => this.slide(), onpointerdown: () => { this.held = true; },
       onpointerup: () => { this.held = false; }, onblur: () => { this.held = false; },
     });
     this.box = element("input", {
-      type: "text", inputmode: "decimal", "aria-label": `${row.label}, value [${row.unit}]`,
+      type: "text", inputmode: "decimal",
       "aria-describedby": `${id}-meaning ${id}-refusal`, autocomplete: "off", spellcheck: "false",
       "data-name": row.name,
       onchange: () => this.type(), onfocus: () => this.box.select(),
@@ -121,24 +119,38 @@ class Row {
       "aria-label": `put ${row.label} back to the preset's value`,
       onclick: () => channel.send(`set ${row.name}`, { reset: [row.name] }),
     }, "↺");
+    this.unit = element("span", { class: "unit" });
     this.refusal = element("p", { class: "refusal", id: `${id}-refusal`, role: "alert" });
     this.node = element("div", {
       class: "row", "data-row": row.name,
-      onpointerenter: () => tip.show(this.node, row), onpointerleave: () => tip.hide(),
-      onfocusin: (event) => { if (event.target.matches(":focus-visible")) tip.show(this.node, row); },
+      onpointerenter: () => tip.show(this.node, this.row), onpointerleave: () => tip.hide(),
+      onfocusin: (event) => { if (event.target.matches(":focus-visible")) tip.show(this.node, this.row); },
       onfocusout: () => tip.hide(),
     }, element("label", { for: id }, symbol(row)), this.slider, this.box,
-      element("span", { class: "unit" }, row.unit), this.back, this.refusal,
+      this.unit, this.back, this.refusal,
       element("span", { class: "hidden", id: `${id}-meaning` }, row.meaning));
+    this.measureIn(row);
+  }
+  /** Take the unit, the range and with them the meaning of a value from `row`. */
+  measureIn(row) {
+    this.row = row;
+    this.scale = new Scale(row);
+    this.value = undefined; // to be shown anew
+    this.unit.textContent = row.unit;
+    this.slider.setAttribute("aria-label", `${row.label} [${row.unit}]`);
+    this.box.setAttribute("aria-label", `${row.label}, value [${row.unit}]`);
   }
   get key() { return `set ${this.row.name}`; }
   slide() {
     const value = this.scale.value(this.slider.valueAsNumber);
     this.box.value = written(value);
     this.describe(value);
-    this.channel.send(this.key, { set: this.row.name, to: value });
+    this.send(value);
   }
-  type() { this.channel.send(this.key, { set: this.row.name, to: this.box.value }); }
+  type() { this.send(this.box.value); }
+  send(value) {
+    this.channel.send(this.key, { set: this.row.name, to: value, units: this.channel.model.units });
+  }
   /** Show the server's value, unless the hand is already further. */
   show(value, base, refused) {
     if (this.channel.isPending(this.key)) return;
@@ -198,6 +210,8 @@ export function render({ model }) {
     (key) => channel.send("preset", { preset: key }));
   const vehicles = choice("vehicle", "Vehicle", model.vehicles.map((v) => [v, v]),
     (key) => channel.send("vehicle", { vehicle: key }));
+  const units = choice("units", "Units", model.unit_systems,
+    (key) => channel.send("units", { units: key }));
   const notices = element("div", { class: "notices", role: "alert" });
   const provenance = element("p", { class: "provenance" });
   const resetAll = element("button", {
@@ -217,7 +231,8 @@ export function render({ model }) {
       ...members.map((r) => r.node)));
   const wide = window.matchMedia("(min-width: 801px)");
   const fold = element("details", { class: "fold", open: wide.matches },
-    element("summary", {}, "Parameters"), provenance, ...others, resetAll);
+    element("summary", {}, "Parameters"), provenance, ...others,
+    element("div", { class: "foot" }, resetAll, units.node));
   const refold = () => { fold.open = wide.matches; };
   wide.addEventListener("change", refold);
   model.on("remove", () => wide.removeEventListener("change", refold));
@@ -230,6 +245,7 @@ export function render({ model }) {
     }
     if (!channel.isPending("preset")) presets.show(model.preset);
     if (!channel.isPending("vehicle")) vehicles.show(model.vehicle);
+    if (!channel.isPending("units")) units.show(model.units);
     provenance.textContent = model.provenance;
     resetAll.disabled = others.length && !rows.some((r) => r.row.name !== "V" && r.value !== r.base);
   }
@@ -248,6 +264,10 @@ export function render({ model }) {
     queueMicrotask(() => { planned = false; show(); });
   };
   for (const name of ["values", "base", "preset", "vehicle", "refused", "provenance"]) model.on(name, plan);
+  model.on("rows", () => {
+    rows.forEach((row, i) => row.measureIn(model.rows[i]));
+    plan();
+  });
   model.on("notices", notice);
   show();
   notice();

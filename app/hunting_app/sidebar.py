@@ -9,6 +9,7 @@ import param
 from panel.custom import JSComponent
 
 from hunting_app.state import FIELDS, PRESETS, SPEED, VEHICLES, State
+from hunting_app.units import UNITS, scale
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -25,9 +26,11 @@ class Sidebar(JSComponent):
     meanwhile is merged, so that only the newest value of a slider is ever computed.
     """
 
-    rows = param.List(doc="What never changes of each row: symbol, unit, range, meaning.")
+    rows = param.List(doc="Symbol, unit, range and meaning of each row.")
     presets = param.List(doc="Key, label and note of each preset.")
     vehicles = param.List(doc="The vehicles to choose from.")
+    unit_systems = param.List(doc="Key and label of the units to choose from.")
+    units = param.String(doc="Those in which values are shown.")
     values = param.Dict(default={}, doc="The value of each row.")
     base = param.Dict(default={}, doc="The preset's value of each row.")
     preset = param.String()
@@ -42,7 +45,7 @@ class Sidebar(JSComponent):
 
     def __init__(self, act: Callable[[list[dict[str, Any]]], None], **params: Any) -> None:
         super().__init__(
-            rows=[_row(field) for field in (SPEED, *FIELDS.values())],
+            unit_systems=[list(item) for item in UNITS.items()],
             presets=[[key, preset.label, preset.note] for key, preset in PRESETS.items()],
             vehicles=list(VEHICLES),
             sizing_mode="stretch_both",
@@ -60,10 +63,14 @@ class Sidebar(JSComponent):
         self, state: State, refused: dict[str, str], notices: list[str], words: str
     ) -> None:
         """Show the state and what was refused, and let the browser send its next message."""
-        base = state.base()
+        if self.units != state.units:
+            self.rows = [_row(scale(n, state.units).field) for n in (SPEED.name, *FIELDS)]
+        values = state.parameters.to_dict() | {SPEED.name: state.speed}
+        base = state.base().to_dict() | {SPEED.name: State.param.speed.default}
         self.param.update(
-            values=state.parameters.to_dict() | {SPEED.name: state.speed},
-            base=base.to_dict() | {SPEED.name: State.param.speed.default},
+            units=state.units,
+            values={n: scale(n, state.units).shown(value) for n, value in values.items()},
+            base={n: scale(n, state.units).shown(value) for n, value in base.items()},
             preset=state.preset,
             vehicle=state.vehicle,
             provenance=words,

@@ -37,7 +37,7 @@ PRESETS = {
 }
 VEHICLES = {"bogie": ("bogie",), "wheelset": ("wheelset",), "both": ("bogie", "wheelset")}
 CURVES = {"damping": "Damping ratio", "locus": "Root locus"}
-CHOICES = ("vehicle", "curve", "page", "exact", "averaged", "pair")
+CHOICES = ("vehicle", "curve", "page", "exact", "averaged", "pair", "units")
 SHOWN = ("shown", "hidden")
 PAGES = {"explore": "Explore", "study": "Study", "model": "Model"}
 
@@ -73,6 +73,9 @@ class State(param.Parameterized):
     )
     pair: Any = param.Selector(
         default="no", objects=["no", "yes"], doc="Two motions, on either side of the threshold."
+    )
+    units: Any = param.Selector(
+        default="si", objects=["si", "engineering"], doc="Units of the parameters on the page."
     )
     page: Any = param.Selector(default="explore", objects=list(PAGES), doc="The page shown.")
     dark = param.Boolean(default=False, doc="Light on dark instead of dark on light.")

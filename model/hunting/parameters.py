@@ -287,8 +287,9 @@ class Parameters:
         "spin creep coefficient",
         "Spin moment for unit spin creepage, one wheel.",
         _CONTACT,
-        (0.0, 1e4),
+        (10.0, 1e4),
         exclusive=False,
+        log=True,
     )
     f12: Coefficient = _of(
         "f_12",
@@ -296,8 +297,9 @@ class Parameters:
         "lateral/spin creep coefficient",
         "Lateral force for unit spin creepage (and the moment that answers it), one wheel.",
         _CONTACT,
-        (0.0, 4e5),
+        (1e3, 4e5),
         exclusive=False,
+        log=True,
     )
     f33: Coefficient = _of(
         "f_33",

@@ -86,6 +86,26 @@ def test_rubbish_is_refused_beside_the_box_and_the_page_lives_on(dashboard, type
     assert shown(dashboard) == km_h(bogie, m_w=1500.0, Ky=9e4)
 
 
+def test_units_can_be_those_of_engineers_and_nothing_else_changes(dashboard):
+    dashboard.choose("kN, mm, t")
+    shown_values = {"Ky": "86.7", "delta": "9.23", "m_B": "45", "C2": "−905", "lam": "0.05"}
+    for name, value in shown_values.items():
+        assert dashboard.box(name).input_value() == value
+    assert "kN/m" in dashboard.row("Ky").inner_text()
+    assert shown(dashboard) == km_h(bogie)
+    assert not dashboard.page.locator(".row.changed").count()
+    dashboard.type("Ky", "100")
+    assert shown(dashboard) == km_h(bogie, Ky=1e5)
+    dashboard.type("Ky", "-1")
+    assert "Ky must be > 0 kN/m, got -1.0. Still 100 kN/m." in dashboard.refusal("Ky").inner_text()
+    dashboard.slider("Ky").press("ArrowRight")
+    dashboard.settle()
+    assert 100 < float(dashboard.box("Ky").input_value()) < 103
+    dashboard.page.wait_for_url("**/*units=engineering")
+    dashboard.choose("SI")
+    assert float(dashboard.box("Ky").input_value().replace(",", "")) > 1e5
+
+
 def test_a_changed_parameter_is_marked_and_goes_back_with_one_click(dashboard):
     assert "changed" not in dashboard.row("m_w").get_attribute("class")
     dashboard.type("m_w", "2000")

@@ -98,7 +98,7 @@ def _choices(state):
         ("?nonsense=1", "nonsense"),
         ("?V=0", "V must be > 0 km/h"),
         ("?V=9999", "V must be at most 1440 km/h"),
-        ("?page=<script>", "explore, model"),
+        ("?page=<script>", "explore, study, model"),
     ],
 )
 def test_rubbish_in_a_link_is_refused_in_words_and_the_rest_counts(search, word):
