@@ -1,8 +1,9 @@
-"""Small updates leave at once."""
+"""What Panel leaves to the app between server and browser."""
 
 from __future__ import annotations
 
 import panel as pn
+from panel.io.resources import LOCAL_DIST
 
 
 def send_at_once() -> None:
@@ -16,3 +17,13 @@ def send_at_once() -> None:
     session = getattr(context, "session", None)
     for connection in getattr(session, "_subscribed_connections", ()):
         connection._socket.set_nodelay(True)
+
+
+def style_from_this_server() -> None:
+    """Let this session's style sheets come from the server it runs on.
+
+    Panel names those on its CDN and changes that when it writes the page. With several processes
+    the websocket may meet another one than the page did, which never writes one.
+    """
+    above = pn.state.rel_path
+    pn.state.curdoc.template_variables["dist_url"] = f"{above}/{LOCAL_DIST}" if above else LOCAL_DIST

@@ -12,7 +12,7 @@ from hunting_app.explore import Explore
 from hunting_app.header import Header
 from hunting_app.markup import Html
 from hunting_app.model_page import model_page
-from hunting_app.pace import send_at_once
+from hunting_app.pace import send_at_once, style_from_this_server
 from hunting_app.picture import picture
 from hunting_app.sidebar import Sidebar
 from hunting_app.state import (
@@ -49,7 +49,11 @@ def dashboard(search: str | None = None) -> pn.viewable.Viewable:
         A query string to start from, such as ``"?Ky=1e5&vehicle=both"``; by default the one in
         the address bar, if there is one.
     """
-    pn.extension(inline=not pn.state.served)  # a notebook may have no network
+    doc = pn.state.curdoc
+    served = doc is not None and doc.session_context is not None
+    pn.extension(inline=not served)  # a notebook may have no network
+    if served:
+        style_from_this_server()
     return Session(search).root
 
 

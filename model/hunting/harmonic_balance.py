@@ -257,9 +257,9 @@ class Balance:
         y_U = np.empty((M, h, 2, q, 2 * h))
         _chain(y_F, D, y_U)
         J[:, size + 2, :size] = y_U[:, :, 0].sum(axis=1).reshape(M, size)
-        J[:, size + 3, :size] = np.tensordot(y_U[:, :, 1], k, (1, 0)).reshape(M, size)
+        J[:, size + 3, :size] = k @ y_U[:, :, 1].reshape(M, h, size)
         J[:, size + 2, size:] = y_by.real.sum(axis=1)
-        J[:, size + 3, size:] = np.tensordot(y_by.imag, k, (1, 0))
+        J[:, size + 3, size:] = k @ y_by.imag
 
         v, a, s = line
         r[:, size + 4] = v * cycles.V + a * cycles.Y - s

@@ -46,15 +46,21 @@ class Ports:
         """Return the kink of each port."""
         return [link.element.kink for link in self.system.elements for _ in range(link.C.shape[-2])]
 
-    def over_time(self, u: Array, function: str) -> Array:
-        """Return "nonlinear" or "slope" of every port for u of shape (M, times, q)."""
-        answers, first = [], 0
+    def over_time(self, u: Array) -> tuple[Array, Array]:
+        """Return force (beyond its linear part) and slope of every port, for u (M, times, q)."""
+        forces, slopes = np.empty_like(u), np.empty_like(u)
+        first = 0
         for link in self.system.elements:
             last = first + link.C.shape[-2]
-            element = link.element.with_axes(1)
-            answers.append(getattr(element, function)(u[..., first:last]))
+            element, seen = link.element, u[..., first:last]
+            if self.system.shape:
+                element = element.with_axes(1)
+            forces[..., first:last], slopes[..., first:last] = (
+                element.nonlinear(seen),
+                element.slope(seen),
+            )
             first = last
-        return np.concatenate(answers, axis=-1)
+        return forces, slopes
 
 
 @dataclass(frozen=True)
@@ -112,8 +118,7 @@ def response(ports: Ports, U: Phasor, orders: Array, slope_orders: int) -> Respo
         np.multiply(odd[:, m - 1], square, out=odd[:, m])
     waves = odd[:, : len(orders)]
     u = (np.swapaxes(waves, -1, -2) @ np.conj(U)).real
-    slopes = ports.over_time(u, "slope")
-    force = ports.over_time(u, "nonlinear")
+    force, slopes = ports.over_time(u)
     weights = half.weights[..., None]
     F = 2 / np.pi * (waves @ (force * weights))
     turned = np.swapaxes(slopes * weights * np.conj(z)[..., None], -1, -2)

@@ -18,7 +18,7 @@ class Dashboard:
         self.url = url
 
     def open(self, search=""):
-        self.page.goto(f"{self.url}/{search}")
+        self.page.goto(f"{self.url}{search}")
         self.page.wait_for_function(IDLE)
         self.page.locator(".card.stability canvas").first.wait_for(state="attached")
         self.page.wait_for_function(IDLE)
@@ -98,7 +98,7 @@ def open_dashboard(served, new_page):
     opened = []
 
     def open_it(search="", url=None, **options):
-        opened.append(Dashboard(new_page(**options), url or served.url))
+        opened.append(Dashboard(new_page(**options), url or f"{served.url}/"))
         return opened[-1].open(search)
 
     yield open_it

@@ -12,8 +12,8 @@ V_LIN = "linear critical speed"
     [
         ((), "/app"),
         (("--prefix", "/rail"), "/rail/app"),
-        (("--index", "app", "--num-procs", "2"), ""),
-        (("--index", "app", "--num-threads", "2"), ""),
+        (("--index", "app", "--num-procs", "2"), "/"),
+        (("--index", "app", "--num-threads", "2"), "/"),
     ],
     ids=["plain", "prefix", "num-procs", "num-threads"],
 )

@@ -79,7 +79,7 @@ def test_a_click_on_the_map_takes_that_design_to_explore(study):
     box = chart.bounding_box()
     study.wait_for_timeout(1500)
     study.mouse.click(box["x"] + 0.3 * box["width"], box["y"] + 0.3 * box["height"])
-    study.wait_for_url(re.compile(r"Ky=.*lam="))
+    study.wait_for_url(re.compile(r"lam=.*Ky="))
     assert "page=study" not in study.url
     assert study.get_by_text("Phase portraits").first.is_visible()
 
