@@ -25,5 +25,5 @@ def style_from_this_server() -> None:
     Panel names those on its CDN and changes that when it writes the page. With several processes
     the websocket may meet another one than the page did, which never writes one.
     """
-    above = pn.state.rel_path
-    pn.state.curdoc.template_variables["dist_url"] = f"{above}/{LOCAL_DIST}" if above else LOCAL_DIST
+    above = f"{pn.state.rel_path}/" if pn.state.rel_path else ""
+    pn.state.curdoc.template_variables["dist_url"] = above + LOCAL_DIST
