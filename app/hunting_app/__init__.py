@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from hunting_app.explorer import Explorer, explorer
 from hunting_app.session import dashboard
 
-__all__ = ["dashboard"]
+__all__ = ["Explorer", "dashboard", "explorer"]

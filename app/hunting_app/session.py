@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import panel as pn
 
-from hunting_app import link, words
+from hunting_app import link, notebook, words
 from hunting_app.blocks import block
 from hunting_app.explore import Explore
 from hunting_app.header import Header
@@ -50,23 +51,32 @@ def dashboard(search: str | None = None) -> pn.viewable.Viewable:
         the address bar, if there is one.
     """
     doc = pn.state.curdoc
-    served = doc is not None and doc.session_context is not None
-    pn.extension(inline=not served)  # a notebook may have no network
-    if served:
+    if doc is not None and doc.session_context is not None:
+        pn.extension()
         style_from_this_server()
+    notebook.load()
     return Session(search).root
 
 
 class Session:
-    """Wires the state to its views; every change of the state goes through `act`."""
+    """Wires the state to its views; every change of the state goes through `act`.
 
-    def __init__(self, search: str | None = None) -> None:
-        served = pn.state.location
+    A state may be shared: then nothing is taken from the link, and only the parameters of these
+    names have a row.
+    """
+
+    def __init__(
+        self,
+        search: str | None = None,
+        state: State | None = None,
+        names: Sequence[str] = tuple(FIELDS),
+    ) -> None:
+        served = None if notebook.kernel() else pn.state.location
         if search is None:
             search = served.search if served else ""
         start, self.notices = link.changes(search)
         dark = pn.state.cookies.get("hunting-dark") == "true" if served else False
-        self.state = State(**start, dark=dark)
+        self.state = state or State(**start, dark=dark)
         self.refused: dict[str, str] = {}
         try:
             self._check({})
@@ -79,8 +89,8 @@ class Session:
             dark=dark,
             address=link.query(self.state) if served else None,
         )
-        self.sidebar = Sidebar(self.act_all)
-        self._show()
+        self.sidebar = Sidebar(self.act_all, names)
+        self.show()
         self.explore = Explore(self.state, self.act)
         self.pages = {
             "explore": block("page", self.sidebar, self.explore),
@@ -102,7 +112,8 @@ class Session:
                     for act in acts:
                         self._do(act)
             finally:
-                self._show()
+                self.show()
+        pn.io.push_notebook(self.root)  # there, what bare Bokeh models change waits to be sent
 
     def act(self, act: dict[str, Any]) -> None:
         """Do one thing."""
@@ -162,7 +173,8 @@ class Session:
                 return with_choice(name, act[name])
         return {}
 
-    def _show(self) -> None:
+    def show(self) -> None:
+        """Bring the controls up to date; the plots watch the state themselves."""
         self.sidebar.present(
             self.state, dict(self.refused), self.notices, words.provenance(self.state)
         )

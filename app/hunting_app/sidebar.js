@@ -191,6 +191,13 @@ class Tip {
   hide() { this.node.classList.remove("shown"); }
 }
 
+/** Keys typed here are ours: a notebook would take them for its shortcuts. */
+function keepKeys(node) {
+  let host = node;
+  while (host.getRootNode() instanceof ShadowRoot) host = host.getRootNode().host;
+  host.dataset.lmSuppressShortcuts = "true";
+}
+
 function choice(name, legend, options, send) {
   const inputs = new Map();
   const node = element("fieldset", { class: "choice" }, element("legend", {}, legend));
@@ -269,6 +276,7 @@ export function render({ model }) {
     plan();
   });
   model.on("notices", notice);
+  model.on("after_render", () => keepKeys(box));
   show();
   notice();
   return box;

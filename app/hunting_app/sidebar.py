@@ -12,7 +12,7 @@ from hunting_app.state import FIELDS, PRESETS, SPEED, VEHICLES, State
 from hunting_app.units import UNITS, scale
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Iterable
 
     from hunting.parameters import Field
 
@@ -43,7 +43,12 @@ class Sidebar(JSComponent):
     _esm: ClassVar = _HERE / "sidebar.js"
     _stylesheets: ClassVar = [(_HERE / "sidebar.css").read_text(encoding="utf-8")]
 
-    def __init__(self, act: Callable[[list[dict[str, Any]]], None], **params: Any) -> None:
+    def __init__(
+        self,
+        act: Callable[[list[dict[str, Any]]], None],
+        names: Iterable[str] = FIELDS,
+        **params: Any,
+    ) -> None:
         super().__init__(
             unit_systems=[list(item) for item in UNITS.items()],
             presets=[[key, preset.label, preset.note] for key, preset in PRESETS.items()],
@@ -53,6 +58,7 @@ class Sidebar(JSComponent):
             **params,
         )
         self._act = act
+        self._names = (SPEED.name, *names)
         self._number = 0
 
     def _handle_msg(self, data: Any) -> None:
@@ -64,7 +70,7 @@ class Sidebar(JSComponent):
     ) -> None:
         """Show the state and what was refused, and let the browser send its next message."""
         if self.units != state.units:
-            self.rows = [_row(scale(n, state.units).field) for n in (SPEED.name, *FIELDS)]
+            self.rows = [_row(scale(n, state.units).field) for n in self._names]
         values = state.parameters.to_dict() | {SPEED.name: state.speed}
         base = state.base().to_dict() | {SPEED.name: State.param.speed.default}
         self.param.update(
