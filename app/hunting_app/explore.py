@@ -22,6 +22,7 @@ from hunting_app.plots.feed import Feed
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from hunting_app.advice import Advice
     from hunting_app.picture import Picture
     from hunting_app.plots.base import Plot
     from hunting_app.state import State
@@ -32,9 +33,8 @@ PAUSE = 60  # ms after which the exact branch follows a move; until then only wh
 class Explore:
     """Answers and bifurcation diagram first; the details once the page shows those."""
 
-    def __init__(self, state: State, act: Callable[[dict[str, Any]], None]) -> None:
-        self.state = state
-        self.act = act
+    def __init__(self, state: State, act: Callable[[dict[str, Any]], None], advice: Advice) -> None:
+        self.state, self.act, self.advice = state, act, advice
         self.feed = Feed()
         self.bifurcation = Bifurcation(self.feed)
         self.feed.connect(self.bifurcation.figure)
@@ -53,7 +53,7 @@ class Explore:
         self._vehicles: set[str] = set()
         self.view = block(
             "explore",
-            column("strip", self.panes["answers"]),
+            column("strip", self.panes["answers"], advice.pane),
             block(
                 "card diagram",
                 self.files.menu("bifurcation"),
@@ -81,6 +81,7 @@ class Explore:
             self.details.motions.run()
             self.view.extend(self.details.cards())
             self.feed.connect(self.bifurcation.figure)
+            self.advice.run()
 
     def draw(self) -> None:
         """Bring everything up to date; what takes too long for a moving hand comes after it."""
@@ -151,9 +152,10 @@ class Explore:
             self.act({"disturbance": round(event.y, 2), "speed": max(round(event.x, 1), 1.0)})
 
     def run(self) -> None:
-        """Simulate the disturbance that is asked for."""
+        """Work out what waits until the hand rests: motions and advice."""
         if self.details:
             self.details.motions.run()
+            self.advice.run()
 
     def __panel__(self) -> pn.viewable.Viewable:
         """Answers on top, the diagram left, what explains it right and below."""

@@ -8,6 +8,7 @@ from typing import Any
 import panel as pn
 
 from hunting_app import link, notebook, words
+from hunting_app.advice import Advice
 from hunting_app.blocks import block
 from hunting_app.explore import Explore
 from hunting_app.header import Header
@@ -90,8 +91,9 @@ class Session:
             address=link.query(self.state) if served else None,
         )
         self.sidebar = Sidebar(self.act_all, names)
+        self.advice = Advice(self.state, self.show)
         self.show()
-        self.explore = Explore(self.state, self.act)
+        self.explore = Explore(self.state, self.act, self.advice)
         self.pages = {
             "explore": block("page", self.sidebar, self.explore),
             "study": block("page"),
@@ -178,6 +180,7 @@ class Session:
         self.sidebar.present(
             self.state, dict(self.refused), self.notices, words.provenance(self.state)
         )
+        self.sidebar.idle = self.advice.idle
         self.header.param.update(page=self.state.page, dark=self.state.dark)
 
     def _turn_page(self) -> None:

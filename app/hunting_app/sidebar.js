@@ -112,7 +112,7 @@ class Row {
       "aria-describedby": `${id}-meaning ${id}-refusal`, autocomplete: "off", spellcheck: "false",
       "data-name": row.name,
       onchange: () => this.type(), onfocus: () => this.box.select(),
-      onkeydown: (event) => { if (event.key === "Escape") this.show(this.value, this.base, null); },
+      onkeydown: (event) => { if (event.key === "Escape") this.show(this.value, this.base, null, this.idle); },
     });
     this.back = element("button", {
       type: "button", class: "back", title: "put back to the preset's value",
@@ -123,12 +123,12 @@ class Row {
     this.refusal = element("p", { class: "refusal", id: `${id}-refusal`, role: "alert" });
     this.node = element("div", {
       class: "row", "data-row": row.name,
-      onpointerenter: () => tip.show(this.node, this.row), onpointerleave: () => tip.hide(),
-      onfocusin: (event) => { if (event.target.matches(":focus-visible")) tip.show(this.node, this.row); },
+      onpointerenter: () => tip.show(this.node, this.row, this.meaning), onpointerleave: () => tip.hide(),
+      onfocusin: (event) => { if (event.target.matches(":focus-visible")) tip.show(this.node, this.row, this.meaning); },
       onfocusout: () => tip.hide(),
     }, element("label", { for: id }, symbol(row)), this.slider, this.box,
       this.unit, this.back, this.refusal,
-      element("span", { class: "hidden", id: `${id}-meaning` }, row.meaning));
+      this.meaning = element("span", { class: "hidden", id: `${id}-meaning` }, row.meaning));
     this.measureIn(row);
   }
   /** Take the unit, the range and with them the meaning of a value from `row`. */
@@ -152,7 +152,11 @@ class Row {
     this.channel.send(this.key, { set: this.row.name, to: value, units: this.channel.model.units });
   }
   /** Show the server's value, unless the hand is already further. */
-  show(value, base, refused) {
+  show(value, base, refused, idle) {
+    this.idle = idle;
+    this.node.classList.toggle("idle", Boolean(idle));
+    const meaning = idle ? `${this.row.meaning} ${idle}` : this.row.meaning;
+    if (this.meaning.textContent !== meaning) this.meaning.textContent = meaning;
     if (this.channel.isPending(this.key)) return;
     const typed = refused && this.box.value;
     if (value !== this.value || refused || this.refusal.textContent) {
@@ -182,8 +186,8 @@ class Tip {
     this.box = box;
     this.node = element("div", { class: "tip", "aria-hidden": "true" });
   }
-  show(at, row) {
-    this.node.replaceChildren(element("b", {}, symbol(row), ` ${row.label}`), ` ${row.meaning}`);
+  show(at, row, meaning) {
+    this.node.replaceChildren(element("b", {}, symbol(row), ` ${row.label}`), ` ${meaning.textContent}`);
     this.node.classList.add("shown");
     const top = at.getBoundingClientRect().bottom - this.box.getBoundingClientRect().top;
     this.node.style.top = `${top + 2}px`;
@@ -221,6 +225,7 @@ export function render({ model }) {
     (key) => channel.send("units", { units: key }));
   const notices = element("div", { class: "notices", role: "alert" });
   const provenance = element("p", { class: "provenance" });
+  const note = element("p", { class: "provenance" }, "Grey: hardly moves V_nl or V_lin here.");
   const resetAll = element("button", {
     type: "button", class: "reset-all",
     onclick: () => channel.send("reset", { reset: rows.map((r) => r.row.name).filter((n) => n !== "V") }),
@@ -239,7 +244,7 @@ export function render({ model }) {
   const wide = window.matchMedia("(min-width: 801px)");
   const fold = element("details", { class: "fold", open: wide.matches },
     element("summary", {}, "Parameters"), provenance, ...others,
-    element("div", { class: "foot" }, resetAll, units.node));
+    element("div", { class: "foot" }, resetAll, units.node), note);
   const refold = () => { fold.open = wide.matches; };
   wide.addEventListener("change", refold);
   model.on("remove", () => wide.removeEventListener("change", refold));
@@ -248,12 +253,13 @@ export function render({ model }) {
   function show() {
     for (const row of rows) {
       const name = row.row.name;
-      row.show(model.values[name], model.base[name], model.refused[name]);
+      row.show(model.values[name], model.base[name], model.refused[name], model.idle[name]);
     }
     if (!channel.isPending("preset")) presets.show(model.preset);
     if (!channel.isPending("vehicle")) vehicles.show(model.vehicle);
     if (!channel.isPending("units")) units.show(model.units);
     provenance.textContent = model.provenance;
+    note.hidden = Object.keys(model.idle).length === 0;
     resetAll.disabled = others.length && !rows.some((r) => r.row.name !== "V" && r.value !== r.base);
   }
   function notice() {
@@ -270,7 +276,7 @@ export function render({ model }) {
     planned = true;
     queueMicrotask(() => { planned = false; show(); });
   };
-  for (const name of ["values", "base", "preset", "vehicle", "refused", "provenance"]) model.on(name, plan);
+  for (const name of ["values", "base", "preset", "vehicle", "refused", "idle", "provenance"]) model.on(name, plan);
   model.on("rows", () => {
     rows.forEach((row, i) => row.measureIn(model.rows[i]));
     plan();

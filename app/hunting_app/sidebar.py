@@ -37,6 +37,7 @@ class Sidebar(JSComponent):
     vehicle = param.String()
     provenance = param.String(doc="Whose numbers these are.")
     refused = param.Dict(default={}, doc="By row: why what was typed is not allowed.")
+    idle = param.Dict(default={}, doc="By row: that it moves no answer, in words.")
     notices = param.List(doc="What was refused of a link.")
     answered = param.Integer(doc="Number of the last message that was dealt with.")
 
