@@ -2,8 +2,13 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import panel as pn
 from panel.io.resources import LOCAL_DIST
+
+if TYPE_CHECKING:
+    from bokeh.document import Document
 
 
 def send_at_once() -> None:
@@ -19,11 +24,11 @@ def send_at_once() -> None:
         connection._socket.set_nodelay(True)
 
 
-def style_from_this_server() -> None:
-    """Let this session's style sheets come from the server it runs on.
+def style_from_this_server(doc: Document) -> None:
+    """Let a session's style sheets come from the server it runs on.
 
     Panel names those on its CDN and changes that when it writes the page. With several processes
     the websocket may meet another one than the page did, which never writes one.
     """
     above = f"{pn.state.rel_path}/" if pn.state.rel_path else ""
-    pn.state.curdoc.template_variables["dist_url"] = above + LOCAL_DIST
+    doc.template_variables["dist_url"] = above + LOCAL_DIST

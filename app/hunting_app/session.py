@@ -54,7 +54,7 @@ def dashboard(search: str | None = None) -> pn.viewable.Viewable:
     doc = pn.state.curdoc
     if doc is not None and doc.session_context is not None:
         pn.extension()
-        style_from_this_server()
+        style_from_this_server(doc)
     notebook.load()
     return Session(search).root
 

@@ -6,6 +6,9 @@ x' = (A + B s(t) C) x with the slopes s(t) of the elements. It is solved by Rada
 the panels of the half period, which end where contact opens or closes, in the eigenvectors of A:
 there the linear part of any stiffness is a division, and what remains are the q ports at the nodes
 of a panel.
+
+Eigenvectors come in conjugate pairs v, v* and real ones. What goes in and out of a panel is counted
+in the real basis Re v, Im v; a pair's coordinates z, z* are 2 Re z and -2 Im z there.
 """
 
 from __future__ import annotations
@@ -60,20 +63,20 @@ def half_multipliers(ports: Ports, V: Array, omega: Array, answer: Response) -> 
     steps = np.diff(answer.half.edges) / omega[:, None]
     slopes = answer.slopes.reshape(*steps.shape, NODES, ports.B.shape[-1])
     panels = _panels(lam, gamma, beta, steps, slopes)
-    whole: Phasor = panels[:, 0]
+    whole: Array = panels[:, 0]
     for i in range(1, panels.shape[1]):
         whole = np.matmul(panels[:, i], whole)
-    mu: Phasor = -np.linalg.eigvals(whole)
+    mu: Phasor = -np.linalg.eigvals(whole).astype(complex)
     mu = np.take_along_axis(mu, np.argsort(np.abs(mu - 1), axis=-1), axis=-1)
     mu[:, 1] *= mu[:, 0]
     mu[:, 0] = 1.0
     return mu
 
 
-def _panels(lam: Phasor, gamma: Phasor, beta: Phasor, h: Array, s: Array) -> Phasor:
-    """Return the transition matrix of each panel in the eigenvectors of A: (M, panels, n, n)."""
+def _panels(lam: Phasor, gamma: Phasor, beta: Phasor, h: Array, s: Array) -> Array:
+    """Return the transition matrix of each panel, in the real basis: (M, panels, n, n)."""
     n = lam.shape[-1]
-    out = np.zeros((*h.shape, n, n), dtype=complex)
+    out = np.zeros((*h.shape, n, n))
     out[..., np.arange(n), np.arange(n)] = 1.0
     pushing = (s != 0).any(axis=2) & (h > 0)[..., None]
     for pattern in np.unique(pushing.reshape(-1, pushing.shape[-1]), axis=0):
@@ -86,7 +89,7 @@ def _panels(lam: Phasor, gamma: Phasor, beta: Phasor, h: Array, s: Array) -> Pha
     return out
 
 
-def _transitions(lam: Phasor, gamma: Phasor, beta: Phasor, h: Array, s: Array) -> Phasor:
+def _transitions(lam: Phasor, gamma: Phasor, beta: Phasor, h: Array, s: Array) -> Array:
     """Return the transition matrices of P panels with q ports at work, shape (P, n, n).
 
     With stages Z_j of mode j, Z_j = M_j (1 x_j + h a beta_j s W) and M_j = (1 - h lam_j a)^-1,
@@ -102,15 +105,20 @@ def _transitions(lam: Phasor, gamma: Phasor, beta: Phasor, h: Array, s: Array) -
     pairs = (gamma[:, :, None] * np.swapaxes(beta, -1, -2)[:, None]).reshape(p, q * q, n)
     spread = (P.T[:, :, None] * P_inv[:, None, :]).reshape(m, m * m)
     K = ((pairs @ driven).reshape(-1, m) @ spread).real.reshape(p, q, q, m, m)
-    K = K.transpose(0, 3, 1, 4, 2) * s[:, None, None]
-    free = np.swapaxes(started @ P.T, -1, -2)[:, :, None] * gamma[:, None]
-    free = free.reshape(p, m * q, n)
-    parts = np.linalg.solve(
-        np.eye(m * q) - K.reshape(p, m * q, m * q), np.concatenate([free.real, free.imag], axis=-1)
-    )
-    signals = parts[..., :n] + 1j * parts[..., n:]
+    K = (K.transpose(0, 3, 1, 4, 2) * s[:, None, None]).reshape(p, m * q, m * q)
+
+    # Re v sets z = z* = 1/2 going, Im v sets z = -i/2 and z* = i/2.
+    leads, size = (lam.imag >= 0)[..., None], np.where(lam.imag == 0, 1.0, 2.0)[..., None]
+    free = gamma.swapaxes(-1, -2)[:, :, None] * (started @ P.T)[..., None]
+    free = free.reshape(p, n, m * q)
+    free = np.where(leads, free.real, -free.imag)
+    signals = np.linalg.solve(np.eye(m * q) - K, free.swapaxes(-1, -2))
 
     push = (driven * P[-1]) @ P_inv  # the last stage is the end of the panel
-    out = (push[..., None] * beta[:, :, None] * s[:, None]).reshape(p, n, m * q) @ signals
-    out[:, np.arange(n), np.arange(n)] += started @ P[-1]
+    push = (push[..., None] * beta[:, :, None] * s[:, None]).reshape(p, n, m * q)
+    out: Array = (size * np.where(leads, push.real, push.imag)) @ signals
+    passed, mode = started @ P[-1], np.arange(n)
+    out[:, mode, mode] += passed.real
+    partner = mode + np.sign(lam.imag).astype(int)
+    out[np.arange(p)[:, None], mode, partner] += passed.imag
     return out

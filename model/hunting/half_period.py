@@ -74,12 +74,14 @@ def half_period(
     -------
     HalfPeriod
     """
-    base = np.linspace(0, np.pi, panels + 1)
-    cuts = [np.broadcast_to(base, (len(U), panels + 1)), _crossings(U, orders, kinks)]
-    edges = np.sort(np.concatenate(cuts, axis=-1), axis=-1)
+    cuts = _crossings(U, orders, kinks)
+    edges = np.empty((len(U), panels + 1 + cuts.shape[-1]))
+    edges[:, : panels + 1] = _equal(panels)
+    edges[:, panels + 1 :] = cuts
+    edges.sort(axis=-1)
     nodes, weights = radau_nodes()
     nodes = np.minimum(nodes, 1 - _INSIDE)
-    width = np.diff(edges)[..., None]
+    width = (edges[:, 1:] - edges[:, :-1])[..., None]
     times = (len(U), width.shape[1] * NODES)
     return HalfPeriod(
         edges=edges,
@@ -95,16 +97,16 @@ def _crossings(U: Phasor, orders: Array, kinks: list[Coefficient | None]) -> Arr
     -------
     ndarray, shape (M, most crossings)
     """
-    port, level = [], []
+    port = [q for q, kink in enumerate(kinks) for _ in ((0,) if kink is None else (1, -1))]
+    levels = np.zeros((len(U), len(port)))
     for q, kink in enumerate(kinks):
-        for value in (0.0,) if kink is None else (kink, -np.asarray(kink)):
-            port.append(q)
-            level.append(np.broadcast_to(value, len(U)))
-    levels = np.array(level).T  # (M, levels)
+        if kink is not None:
+            levels[:, port.index(q)], levels[:, port.index(q) + 1] = kink, -kink
     theta, waves = _samples(tuple(orders.tolist()))
     u = np.swapaxes(U[..., port], -1, -2) @ waves
     u = u.real - levels[..., None]
-    motion, at, left = np.nonzero(np.signbit(u[..., :-1]) != np.signbit(u[..., 1:]))
+    positive = u > 0
+    motion, at, left = np.nonzero(positive[..., :-1] != positive[..., 1:])
     root = _roots(
         U[motion, :, np.take(port, at)],
         orders,
@@ -118,6 +120,11 @@ def _crossings(U: Phasor, orders: Array, kinks: list[Coefficient | None]) -> Arr
     found = np.full((len(u), int(count.max(initial=0))), np.pi)
     found[motion, place] = root
     return found
+
+
+@cache
+def _equal(panels: int) -> Array:
+    return np.linspace(0, np.pi, panels + 1)
 
 
 @cache

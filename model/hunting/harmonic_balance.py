@@ -134,14 +134,21 @@ class Balance:
 
     def inverses(self, V: Array, omega: Array) -> Phasor:
         """Return (i k w I - A(V))^-1 for every k, bordered: shape (M, h, n + 1, n + 1)."""
-        A = self.ports.system.matrix(V)
-        n = A.shape[-1]
-        pencil = np.zeros((len(V), len(self.orders), n + 1, n + 1), dtype=complex)
-        pencil[..., :n, :n] = _pencils(A, omega, self.orders)
-        pencil[:, 0, :n, n] = self.right
-        pencil[:, 0, n, :n] = self.left
-        pencil[:, 1:, n, n] = 1.0
-        return np.linalg.inv(pencil)
+        pencils = _pencils(self.ports.system.matrix(V), omega, self.orders)
+        M, h, n, _ = pencils.shape
+        out = np.zeros((M, h, n + 1, n + 1), dtype=complex)
+        out[:, 0] = np.linalg.inv(self.bordered(pencils[:, 0]))
+        out[:, 1:, :n, :n] = np.linalg.inv(pencils[:, 1:])
+        out[:, 1:, n, n] = 1.0
+        return out
+
+    def bordered(self, pencil: Phasor) -> Phasor:
+        """Return i w I - A(V), bordered with the eigenvectors: shape (M, n + 1, n + 1)."""
+        M, n, _ = pencil.shape
+        out = np.zeros((M, n + 1, n + 1), dtype=complex)
+        out[:, :n, :n] = pencil
+        out[:, :n, n], out[:, n, :n] = self.right, self.left
+        return out
 
     def states(self, cycles: Cycles, F: Phasor) -> Phasor:
         """Return the harmonics of the states that answer to the forces F, over Y.
@@ -157,20 +164,26 @@ class Balance:
         -------
         ndarray, complex, shape (M, H, n)
         """
-        h, B, n = len(self.orders), self.ports.B, self.right.shape[-1]
-        T = self.inverses(cycles.V, cycles.omega)
-        X = (T[..., :n, :n] @ (B[..., None, :, :] @ F[:, :h, :, None]))[..., 0]
-        X[:, 0] += T[:, 0, :n, n] * cycles.kappa[:, None]
-        orders = self.orders[-1] + 2 * np.arange(1, F.shape[1] - h + 1)
+        pencil = _pencils(self.ports.system.matrix(cycles.V), cycles.omega, np.ones(1))[:, 0]
+        push = np.concatenate(
+            [self.ports.B @ F[:, 0, :, None], cycles.kappa[:, None, None]], axis=1
+        )
+        first = np.linalg.solve(self.bordered(pencil), push)[:, None, :-1, 0]
+        orders = orders_up_to(2 * F.shape[1] - 1)
+        return np.concatenate([first, self._driven(cycles, orders[1:], F[:, 1:])], axis=1)
+
+    def _driven(self, cycles: Cycles, orders: Array, F: Phasor) -> Phasor:
+        """Return the harmonics X_k of these orders > 1 that answer to the forces F_k."""
         pencils = _pencils(self.ports.system.matrix(cycles.V), cycles.omega, orders)
-        tail = np.linalg.solve(pencils, B[..., None, :, :] @ F[:, h:, :, None])[..., 0]
-        return np.concatenate([X, tail], axis=1)
+        X: Phasor = np.linalg.solve(pencils, self.ports.B[..., None, :, :] @ F[..., None])[..., 0]
+        return X
 
     def tail(self, cycles: Cycles) -> Phasor:
         """Return the higher harmonics of the states that answer to the cycles' forces, over Y."""
         h, Y = len(self.orders), cycles.Y[:, None, None]
-        F = response(self.ports, self.motion(cycles), self.orders_of(cycles), 1).F / Y
-        return self.states(cycles, F)[:, h:]
+        orders = orders_up_to(4 * h - 1)
+        F = response(self.ports, self.motion(cycles), orders, 1).F / Y
+        return self._driven(cycles, orders[h:], F[:, h:])
 
     def orders_of(self, cycles: Cycles) -> Array:
         """Return the orders solved for, and those of the tail."""

@@ -310,7 +310,7 @@ def _first_cycles(balance: Balance, averaged: Averaging, delta: float, largest: 
         tail=np.zeros((len(Y), 0, len(averaged.right[0])), dtype=complex),
     )
     one = Balance(balance.ports, balance.right, balance.left, orders_up_to(1))
-    guess = solve(one, guess, at_amplitude(Y), tolerance=0.5).cycles
+    guess = solve(one, guess, at_amplitude(Y), tolerance=np.inf).cycles  # one step
     first = solve(balance, guess, at_amplitude(Y), tolerance=_CRUDE)
     return _kept(polished(balance, _kept(first), trust=_CRUDE))
 
