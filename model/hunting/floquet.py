@@ -78,11 +78,13 @@ def _panels(lam: Phasor, gamma: Phasor, beta: Phasor, h: Array, s: Array) -> Arr
     n = lam.shape[-1]
     out = np.zeros((*h.shape, n, n))
     out[..., np.arange(n), np.arange(n)] = 1.0
-    pushing = (s != 0).any(axis=2) & (h > 0)[..., None]
-    for pattern in np.unique(pushing.reshape(-1, pushing.shape[-1]), axis=0):
-        which = (pushing == pattern).all(axis=-1) & (h > 0)
+    ports = np.arange(s.shape[-1])
+    pushing = ((s != 0).any(axis=2) << ports).sum(axis=-1)  # one bit a port
+    pushing[h <= 0] = -1
+    for pattern in np.unique(pushing[h > 0]):
+        which = pushing == pattern
         of = np.nonzero(which)[0]
-        active = np.flatnonzero(pattern)
+        active = np.flatnonzero(pattern >> ports & 1)
         out[which] = _transitions(
             lam[of], gamma[of][:, active], beta[of][..., active], h[which], s[which][..., active]
         )

@@ -133,6 +133,16 @@ def _samples(orders: tuple[int, ...]) -> tuple[Array, Phasor]:
     return theta, np.exp(1j * np.outer(orders, theta))
 
 
+def odd_powers(z: Phasor, count: int) -> Phasor:
+    """Return z, z^3, z^5, ... of z of shape (M, times): shape (M, count, times)."""
+    powers = np.empty((len(z), count, z.shape[-1]), dtype=complex)
+    powers[:, 0] = z
+    square = z * z
+    for m in range(1, count):
+        np.multiply(powers[:, m - 1], square, out=powers[:, m])
+    return powers
+
+
 def _roots(
     U: Phasor, orders: Array, level: Array, left: Array, u_left: Array, u_right: Array
 ) -> Array:
@@ -149,7 +159,7 @@ def _roots(
     with np.errstate(divide="ignore", invalid="ignore"):
         root = left + width * 2 * np.abs(u_left) / (disc - np.copysign(b, u_left * b))
         for _ in range(2):
-            wave = U * np.exp(1j * root[:, None] * orders)
+            wave = U * np.swapaxes(odd_powers(np.exp(1j * root)[None], len(orders))[0], 0, 1)
             root = root + (wave.real.sum(axis=-1) - level) / (wave.imag @ orders)
             root = np.fmax(np.fmin(root, left + width), left)
     return root
