@@ -99,9 +99,9 @@ class Bifurcation(Plot):
             exact = answers.exact if answers else None
             averaged = answers.averaged if answers and averaging else None
             if settled:
-                self.feed.put(self.branches[vehicle], _branch(exact))
+                self.feed.put(self.branches[vehicle], branch_columns(exact))
                 self.feed.put(self.folds[vehicle], _fold(exact))
-            self.feed.put(self.averaged[vehicle], _branch(averaged))
+            self.feed.put(self.averaged[vehicle], branch_columns(averaged))
             self.feed.put(self.averaged_folds[vehicle], _fold(averaged))
             self.feed.put(self.hopf[vehicle], _hopf(answers))
         end = float(shown.speeds[-1])
@@ -129,7 +129,8 @@ class Bifurcation(Plot):
             self.feed.put(source, marks)
 
 
-def _branch(branch: Branch | None) -> Columns:
+def branch_columns(branch: Branch | None) -> Columns:
+    """Return a branch [km/h, mm] as two curves that meet: the stable part and the unstable."""
     if branch is None or not branch.speed.size:
         return {"V": [], "stable": [], "unstable": []}
     amplitude, stable = MM * branch.amplitude, branch.stable

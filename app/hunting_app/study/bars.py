@@ -11,7 +11,7 @@ import numpy as np
 
 from hunting.cases import Progress
 from hunting.elements import Array
-from hunting.sensitivity import sensitivity
+from hunting.sensitivity import Sensitivity, sensitivity
 from hunting.tables import header, rows
 from hunting_app.palette import Palette
 from hunting_app.picture import KMH
@@ -50,14 +50,8 @@ class Sensitivities(Section):
         if not np.isfinite(found.linear).any():
             self.said.html, self.body[:] = warning(f"No critical speed: {found.message}."), []
             return
-        order = np.argsort(-np.abs(np.nan_to_num(np.stack([found.nonlinear, found.linear]))).max(0))
-        labels = [f"{FIELDS[found.names[k]].label}  {FIELDS[found.names[k]].symbol}" for k in order]
-        values = {
-            "V_nl, nonlinear": (MORE * found.nonlinear[order], self.colours.conditional),
-            "V_lin, linear": (MORE * found.linear[order], self.colours.hunting),
-        }
-        axis = "change of the critical speed [%] for 10 % more of the parameter"
-        self.body[:] = [block("plot", bars(labels, values, axis, self.colours, "sensitivity"))]
+        chart = sensitivity_bars(found, self.colours)
+        self.body[:] = [block("plot", shown(chart, height_of(chart)))]
         self.said.html = (
             f"<p>At the present design V<sub>lin</sub> = {KMH * found.V_linear:.1f} km/h and "
             f"V<sub>nl</sub> = {KMH * found.V_nonlinear:.1f} km/h.</p>"
@@ -86,13 +80,30 @@ class Sensitivities(Section):
         )
 
 
+def sensitivity_bars(found: Sensitivity, colours: Palette) -> hv.Overlay:
+    """Return two bars for each parameter, the longest on top."""
+    order = np.argsort(-np.abs(np.nan_to_num(np.stack([found.nonlinear, found.linear]))).max(0))
+    labels = [f"{FIELDS[found.names[k]].label}  {FIELDS[found.names[k]].symbol}" for k in order]
+    values = {
+        "V_nl, nonlinear": (MORE * found.nonlinear[order], colours.conditional),
+        "V_lin, linear": (MORE * found.linear[order], colours.hunting),
+    }
+    axis = "change of the critical speed [%] for 10 % more of the parameter"
+    return bars(labels, values, axis, colours, "sensitivity")
+
+
+def height_of(chart: hv.Overlay) -> int:
+    """Return the height that a chart asks for [px]."""
+    return int(chart.opts.get("plot").kwargs["height"])
+
+
 def bars(
     labels: Sequence[str],
     values: Mapping[str, tuple[Array, str]],
     axis: str,
     colours: Palette,
     name: str,
-) -> Any:
+) -> hv.Overlay:
     """Return horizontal bars, a group for each label, the first on top.
 
     Parameters
@@ -119,7 +130,7 @@ def bars(
         box = hv.Rectangles(boxes, ["x0", "y0", "x1", "y1"], vdims, label=label)
         parts.append(box.opts(color=colour, line_width=0, tools=["hover"], hover_tooltips=_TIPS))
     height = 70 + (26 if len(values) > 1 else 20) * count
-    chart = hv.Overlay(parts).opts(
+    return hv.Overlay(parts).opts(
         responsive=True,
         height=height,
         xlabel=axis,
@@ -133,7 +144,6 @@ def bars(
         show_grid=True,
         hooks=[dressed(colours, name, axis)],
     )
-    return shown(chart, height)
 
 
 _TIPS = [("", "@speed"), ("change", "@change{0.00}")]

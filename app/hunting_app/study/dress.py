@@ -11,10 +11,14 @@ import panel as pn
 from bokeh.models import ColorBar, CustomJSTickFormatter, FixedTicker, LogAxis
 
 from hunting.parameters import Field
+from hunting_app.notebook import kernel, load
 from hunting_app.palette import DARK, Palette
 from hunting_app.plots.base import FONT
 
-hv.extension("bokeh")
+if kernel():
+    load()
+else:
+    hv.extension("bokeh")
 
 _WRITTEN = """
   return Math.abs(tick) >= 1e5

@@ -10,10 +10,11 @@ import holoviews as hv
 import numpy as np
 
 from hunting.cases import Progress
-from hunting.uncertainty import uncertainty
+from hunting.uncertainty import Indices, uncertainty
+from hunting_app.palette import Palette
 from hunting_app.picture import KMH
 from hunting_app.state import FIELDS
-from hunting_app.study.bars import bars
+from hunting_app.study.bars import bars, height_of
 from hunting_app.study.choices import METHODS, number, select, ticks
 from hunting_app.study.dress import dressed, shown
 from hunting_app.study.section import Section, block
@@ -73,20 +74,26 @@ class Limits(Section):
         indices = found.indices["nonlinear"]
         plots = [block("plot", shown(histogram(found, speed, self.colours), _HEIGHT))]
         if np.isfinite(indices.total).any():
-            order = np.argsort(-indices.total)
-            labels = [FIELDS[indices.names[k]].symbol for k in order]
-            values = {
-                "alone": (indices.first_order[order], self.colours.bogie),
-                "with all interactions": (indices.total[order], self.colours.wheelset),
-            }
-            axis = "share of the scatter of V_nl it explains (Sobol’ index)"
-            plots.append(block("plot", bars(labels, values, axis, self.colours, "indices")))
+            chart = index_bars(indices, self.colours)
+            plots.append(block("plot", shown(chart, height_of(chart))))
         self.body[:] = [block("two", *plots)]
 
     def csv(self) -> str:
         """Return all samples."""
         limits = ", ".join(f"{name} ±{100 * s:g} %" for name, s in self.spreads.items())
         return f"# limits: {limits}\n{self.result.csv()}"
+
+
+def index_bars(indices: Indices, colours: Palette) -> hv.Overlay:
+    """Return what each uncertain parameter explains of the scatter, the most on top."""
+    order = np.argsort(-indices.total)
+    labels = [FIELDS[indices.names[k]].symbol for k in order]
+    values = {
+        "alone": (indices.first_order[order], colours.bogie),
+        "with all interactions": (indices.total[order], colours.wheelset),
+    }
+    axis = "share of the scatter of V_nl it explains (Sobol’ index)"
+    return bars(labels, values, axis, colours, "indices")
 
 
 def histogram(found: Any, speed: float, colours: Any) -> hv.Overlay:
@@ -106,7 +113,7 @@ def histogram(found: Any, speed: float, colours: Any) -> hv.Overlay:
     line = hv.Curve([(speed, 0), (speed, 1e3)], "V", "share", label="operating speed")
     parts.append(line.opts(color=colours.ink, line_width=2.5))
     most = max(float(np.nanmax(part.dimension_values(1))) for part in parts[:-1])
-    low, high = min(edges[0], speed), max(edges[-1], speed)
+    low, high = np.fmin(edges[0], speed), np.fmax(edges[-1], speed)
     margin = 0.03 * (high - low)
     return hv.Overlay(parts).opts(
         responsive=True,

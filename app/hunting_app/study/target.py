@@ -6,16 +6,19 @@ from concurrent.futures import Executor
 from html import escape
 from typing import Any
 
+import holoviews as hv
 import numpy as np
 
 from hunting.cases import Progress
-from hunting.design import design
+from hunting.design import Design, design
 from hunting.tables import header, rows
 from hunting_app.numerals import written
+from hunting_app.palette import Palette
 from hunting_app.picture import KMH
 from hunting_app.state import FIELDS
-from hunting_app.study.bars import bars
+from hunting_app.study.bars import bars, height_of
 from hunting_app.study.choices import number, ticks
+from hunting_app.study.dress import shown
 from hunting_app.study.section import Section, block
 
 
@@ -58,12 +61,9 @@ class Target(Section):
     def draw(self) -> None:
         """Draw the changes and say what they reach."""
         found = self.result
-        order = sorted(found.changes, key=lambda name: -abs(found.changes[name]))
-        labels = [f"{FIELDS[name].label}  {FIELDS[name].symbol}" for name in order]
-        changes = 100 * np.array([found.changes[name] for name in order])
-        axis = "change of the parameter [%]"
-        plot = bars(labels, {"change": (changes, self.colours.bogie)}, axis, self.colours, "change")
-        self.body[:] = [block("plot", plot)]
+        order = _by_size(found)
+        chart = change_bars(found, self.colours)
+        self.body[:] = [block("plot", shown(chart, height_of(chart)))]
         V, wanted = KMH * found.V_nonlinear, KMH * found.target
         verdict = (
             f"<b>{wanted:.1f} km/h is reached</b>"
@@ -106,6 +106,19 @@ class Target(Section):
                 "change [%]": [100 * found.changes[n] for n in names],
             }
         )
+
+
+def change_bars(found: Design, colours: Palette) -> hv.Overlay:
+    """Return how much each parameter changes, the most on top."""
+    order = _by_size(found)
+    labels = [f"{FIELDS[name].label}  {FIELDS[name].symbol}" for name in order]
+    changes = 100 * np.array([found.changes[name] for name in order])
+    axis = "change of the parameter [%]"
+    return bars(labels, {"change": (changes, colours.bogie)}, axis, colours, "change")
+
+
+def _by_size(found: Design) -> list[str]:
+    return sorted(found.changes, key=lambda name: -abs(found.changes[name]))
 
 
 def _signed(percent: float) -> str:
