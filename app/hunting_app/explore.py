@@ -48,6 +48,7 @@ class Explore:
         self.files = Files(state, lambda: self.details.motions if self.details else None)
         self._drawn: tuple[Any, ...] = ()
         self._exact: tuple[Any, ...] = ()
+        self._pinned: tuple[Any, ...] = ()
         self._late: Any = None
         self._dressed: bool | None = None
         self._vehicles: set[str] = set()
@@ -64,7 +65,7 @@ class Explore:
         self.draw()
         state.param.watch(
             lambda *_: self.draw(),
-            ["parameters", "vehicle", "speed", "curve", "exact", "averaged", "dark"],
+            ["parameters", "vehicle", "speed", "curve", "exact", "averaged", "baseline", "dark"],
         )
         pn.state.onload(self._complete)
 
@@ -76,7 +77,7 @@ class Explore:
             )
             self.plots += self.details.plots
             self.texts |= self.details.texts
-            self._drawn, self._dressed, self._vehicles = (), None, set()
+            self._drawn, self._pinned, self._dressed, self._vehicles = (), (), None, set()
             self._draw(self.state.exact == "shown")
             self.details.motions.run()
             self.view.extend(self.details.cards())
@@ -106,7 +107,7 @@ class Explore:
     def _draw(self, exact: bool) -> None:
         """Draw the exact branch too, or leave all that follows from it as it is."""
         state = self.state
-        shown = picture(state.parameters, state.vehicle, state.speed, exact)
+        shown = picture(state.parameters, state.vehicle, state.speed, exact, state.pinned())
         settled = exact or state.exact == "hidden"
         if exact:
             self._exact = (state.parameters, state.vehicle)
@@ -115,7 +116,7 @@ class Explore:
             for plot in self.plots:
                 plot.dress(colours)
             self._dressed = state.dark
-        choices = (state.vehicle, state.curve, state.exact, state.averaged)
+        choices = (state.vehicle, state.curve, state.exact, state.averaged, state.baseline)
         wanted = (state.parameters, *choices, float(shown.speeds[-1]), settled)
         if self._drawn != wanted:
             self._draw_curves(shown, settled)
@@ -133,9 +134,20 @@ class Explore:
             for plot in self.plots:
                 plot.show_vehicles(self._vehicles)
         self.bifurcation.draw(shown, averaging=self.state.averaged == "shown", settled=settled)
+        if settled:
+            self._draw_baseline(shown)
         if self.details:
             self.details.draw(shown)
         self.branches.html = _toggles(exact=self.state.exact, averaged=self.state.averaged)
+
+    def _draw_baseline(self, shown: Picture) -> None:
+        """Draw it only when it is another one: moves of the sliders leave it alone."""
+        state = self.state
+        pinned = (state.baseline, state.vehicle, state.exact, float(shown.speeds[-1]))
+        if self._pinned != pinned:
+            self._pinned = pinned
+            for plot in self.plots:
+                plot.draw_baseline(shown)
 
     def _write(self, shown: Picture) -> None:
         self.texts["answers"].html = words.answers(shown)

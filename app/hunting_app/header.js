@@ -10,7 +10,7 @@ export function render({ model }) {
     const button = document.createElement("button");
     button.type = "button";
     button.textContent = label;
-    button.addEventListener("click", () => model.send_msg({ page: key }));
+    button.addEventListener("click", () => model.send_msg({ act: { page: key } }));
     nav.append(button);
     return [key, button];
   }));
@@ -22,7 +22,7 @@ export function render({ model }) {
 
   function choose(dark) {
     document.cookie = `hunting-dark=${dark}; max-age=31536000; path=/; SameSite=Lax`;
-    model.send_msg({ dark });
+    model.send_msg({ act: { dark } });
   }
   function showPage() {
     for (const [key, button] of buttons) {
@@ -38,11 +38,23 @@ export function render({ model }) {
     if (model.address === null || model.address === window.location.search) return;
     change.call(window.history, null, "", window.location.pathname + model.address + window.location.hash);
   }
-  const goBack = () => model.send_msg({ link: window.location.search });
+  // While the server follows steps back or forward, the address is already further than it knows.
+  let visited = model.visited;
+  function goBack() {
+    visited += 1;
+    model.send_msg({ act: { link: window.location.search }, visited });
+  }
+  function arrive() {
+    if (model.visited === visited) writeAddress(window.history.replaceState); // without what was refused
+  }
+  function edit() {
+    if (model.visited === visited) writeAddress(window.history.pushState);
+  }
 
   model.on("page", showPage);
   model.on("dark", showTheme);
-  model.on("address", () => writeAddress(window.history.pushState));
+  model.on("address", edit);
+  model.on("visited", arrive);
   if (model.address !== null) {
     writeAddress(window.history.replaceState); // what was refused of a link does not stay in it
     window.addEventListener("popstate", goBack);

@@ -26,17 +26,20 @@ class Header(JSComponent):
         allow_None=True, doc="The query string; None where no address bar is ours."
     )
 
+    visited = param.Integer(doc="Number of the last step through the browser's history.")
+
     _esm: ClassVar = _HERE / "header.js"
     _stylesheets: ClassVar = [(_HERE / "header.css").read_text(encoding="utf-8")]
 
     def __init__(self, act: Callable[[dict[str, Any]], None], **params: Any) -> None:
         super().__init__(
             pages=[list(item) for item in PAGES.items()],
-            sizing_mode="stretch_width",
+            styles={"flex": "1 1 auto"},
             margin=0,
             **params,
         )
         self._act = act
 
     def _handle_msg(self, data: Any) -> None:
-        self._act(data)
+        self._act(data["act"])
+        self.visited = data.get("visited", self.visited)

@@ -2,20 +2,25 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 from urllib.parse import parse_qsl, urlencode
 
+from hunting_app.designs import named
 from hunting_app.numerals import compact
 from hunting_app.state import (
     CHOICES,
     FIELDS,
     SPEED,
+    Design,
     State,
     with_choice,
     with_disturbance,
     with_preset,
     with_value,
 )
+
+_PINNED = "baseline."  # before what the baseline changes of its preset
 
 
 def query(state: State) -> str:
@@ -37,7 +42,16 @@ def query(state: State) -> str:
     for name in CHOICES:
         if getattr(state, name) != State.param[name].default:
             items[name] = getattr(state, name)
+    if state.baseline is not None:
+        items |= _of_baseline(state.baseline)
     return f"?{urlencode(items)}" if items else ""
+
+
+def _of_baseline(baseline: Design) -> dict[str, str]:
+    values = {n: compact(getattr(baseline.parameters, n)) for n in baseline.changed()}
+    if baseline.name:
+        values["name"] = baseline.name
+    return {"baseline": baseline.preset} | {f"{_PINNED}{n}": text for n, text in values.items()}
 
 
 def changes(search: str) -> tuple[dict[str, Any], list[str]]:
@@ -60,11 +74,10 @@ def changes(search: str) -> tuple[dict[str, Any], list[str]]:
         except (ValueError, TypeError) as refusal:
             refused.append(str(refusal) if name in str(refusal) else f"{name}: {refusal}")
 
-    if "preset" in asked:  # first: the other values are changes of it
-        attempt("preset", asked.pop("preset"))
-    for name, text in asked.items():
-        attempt(name, text)
-    names = ("preset", "parameters", "speed", "disturbance", *CHOICES)
+    first = ("preset", "baseline")  # the other values are changes of them
+    for name in (*(n for n in first if n in asked), *(n for n in asked if n not in first)):
+        attempt(name, asked[name])
+    names = ("preset", "parameters", "speed", "disturbance", "baseline", *CHOICES)
     return {name: getattr(fresh, name) for name in names}, refused
 
 
@@ -77,4 +90,19 @@ def _change(state: State, name: str, text: str) -> dict[str, Any]:
         return with_choice(name, text)
     if name in FIELDS or name == SPEED.name:
         return with_value(state, name, text)
+    if name == "baseline":
+        return {"baseline": Design("", **with_preset(text))}
+    if name.startswith(_PINNED):
+        return {"baseline": _pinned(state.baseline, name.removeprefix(_PINNED), text)}
     raise ValueError(f"‘{name[:40]}’ in the link is no parameter and no setting")
+
+
+def _pinned(baseline: Design | None, name: str, text: str) -> Design:
+    if baseline is None:
+        raise ValueError(f"‘{_PINNED}{name[:40]}’ in the link is of no baseline")
+    if name == "name":
+        return replace(baseline, name=named(text))
+    changed = with_value(State(parameters=baseline.parameters), name, text)
+    if "parameters" not in changed:
+        raise ValueError(f"‘{_PINNED}{name[:40]}’ in the link is no parameter")
+    return replace(baseline, parameters=changed["parameters"])

@@ -79,7 +79,7 @@ class Motions:
         self._clear()
         self._of = wanted
         s = self.state
-        shown = picture(s.parameters, s.vehicle, s.speed, s.exact == "shown")
+        shown = picture(s.parameters, s.vehicle, s.speed, s.exact == "shown", s.pinned())
         self._offer(shown)
         if s.disturbance or s.pair == "yes":
             self._simulate(shown, None if s.pair == "yes" else s.disturbance)

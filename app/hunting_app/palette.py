@@ -20,6 +20,7 @@ class Palette:
     wheelset: str
     averaged: str
     motion: str
+    baseline: str
     clearance: str
     cursor: str
     paper: str
@@ -40,6 +41,7 @@ LIGHT = Palette(
     wheelset="#a8487f",
     averaged="#7a4d1a",
     motion="#5b3fb0",
+    baseline="#868e96",
     clearance="#6b6b6b",
     cursor="#1b1f24",
     paper="#ffffff",
@@ -56,6 +58,7 @@ DARK = Palette(
     wheelset="#e39ac4",
     averaged="#d8ab74",
     motion="#b7a3ff",
+    baseline="#8b939c",
     clearance="#a0a0a0",
     cursor="#f0f3f6",
     paper="#15191f",

@@ -25,6 +25,7 @@ KMH = 3.6  # km/h in a m/s
 MM = 1e3  # mm in a m; mrad in a rad
 _SYSTEMS = {"bogie": bogie, "wheelset": wheelset}
 _SWEEP = 160  # speeds of the damping curves
+Values = tuple[float, ...]  # of all parameters; hashable, unlike them
 _CYCLE = 97  # instants of a limit cycle: a closed curve without visible corners
 
 
@@ -113,6 +114,12 @@ class Picture:
         By vehicle: damping ratios at `speeds`, the least first.
     speeds : ndarray
         Speeds of the sweeps [km/h], to the end of the speed axis.
+    baseline : dict
+        By vehicle: what the model says of the baseline; empty where none is pinned.
+    baseline_damping : dict
+        By vehicle: its least damping ratio at `speeds`.
+    baseline_clearance : float
+        Its flange clearance [mm]; 0 where none is pinned.
     """
 
     clearance: float
@@ -122,12 +129,21 @@ class Picture:
     sweeps: dict[str, Phasor]
     damping: dict[str, Array]
     speeds: Array
+    baseline: dict[str, Answers]
+    baseline_damping: dict[str, Array]
+    baseline_clearance: float
 
 
-def picture(parameters: Parameters, vehicle: str, speed: float, exact: bool = True) -> Picture:
+def picture(
+    parameters: Parameters,
+    vehicle: str,
+    speed: float,
+    exact: bool = True,
+    baseline: Parameters | None = None,
+) -> Picture:
     """Return what a choice of parameters, vehicle and speed [km/h] looks like.
 
-    Without `exact` all answers are those of averaging.
+    Without `exact` all answers are those of averaging, those for the baseline too.
 
     Raises
     ------
@@ -136,20 +152,39 @@ def picture(parameters: Parameters, vehicle: str, speed: float, exact: bool = Tr
     """
     try:
         with np.errstate(over="raise", invalid="raise", divide="raise"):
-            return _picture(tuple(parameters.to_dict().values()), vehicle, speed, exact)
+            pinned = None if baseline is None else _values(baseline)
+            return _picture(_values(parameters), vehicle, speed, exact, pinned)
     except (np.linalg.LinAlgError, FloatingPointError, OverflowError) as error:
         raise ValueError(
             "the equations cannot be solved in double precision with this value"
         ) from error
 
 
+def critical(parameters: Parameters, vehicle: str, exact: bool) -> CriticalSpeeds:
+    """Return the critical speeds of a vehicle, V_nl of the exact branch or by averaging.
+
+    Raises
+    ------
+    ValueError
+        If the equations cannot be solved with these values.
+    """
+    return next(iter(picture(parameters, vehicle, 100.0, exact).answers.values())).critical
+
+
+def _values(parameters: Parameters) -> Values:
+    return tuple(parameters.to_dict().values())
+
+
 @lru_cache(maxsize=8)
-def _picture(values: tuple[float, ...], vehicle: str, speed: float, exact: bool) -> Picture:
+def _picture(
+    values: Values, vehicle: str, speed: float, exact: bool, baseline: Values | None
+) -> Picture:
     vehicles = VEHICLES[vehicle]
     answers = {name: _answers(values, name) for name in vehicles}
     if exact:
         answers = {name: _with_exact(values, name) for name in vehicles}
-    end = _axis_end(answers.values(), speed)
+    pinned = {name: _pinned(baseline, name, exact) for name in vehicles} if baseline else {}
+    end = _axis_end([*answers.values(), *pinned.values()], speed)
     return Picture(
         clearance=MM * float(Parameters(*values).delta),
         speed=speed,
@@ -158,11 +193,24 @@ def _picture(values: tuple[float, ...], vehicle: str, speed: float, exact: bool)
         sweeps={name: _sweep(values, name, end) for name in vehicles},
         damping={name: _damping(values, name, end) for name in vehicles},
         speeds=_speeds(end),
+        baseline=pinned,
+        baseline_damping={n: _pinned_damping(baseline, n, end) for n in pinned if baseline},
+        baseline_clearance=MM * float(Parameters(*baseline).delta) if baseline else 0.0,
     )
 
 
+@lru_cache(maxsize=128)  # one for each visitor; not forgotten for others' moves
+def _pinned(values: Values, vehicle: str, exact: bool) -> Answers:
+    return _with_exact(values, vehicle) if exact else _answers(values, vehicle)
+
+
+@lru_cache(maxsize=128)
+def _pinned_damping(values: Values, vehicle: str, end: float) -> Array:
+    return _damping(values, vehicle, end)[:, 0]
+
+
 @lru_cache(maxsize=64)
-def _answers(values: tuple[float, ...], vehicle: str) -> Answers:
+def _answers(values: Values, vehicle: str) -> Answers:
     system = _SYSTEMS[vehicle](Parameters(*values))
     hopf = hopf_points(system)
     return Answers(
@@ -175,7 +223,7 @@ def _answers(values: tuple[float, ...], vehicle: str) -> Answers:
 
 
 @lru_cache(maxsize=64)
-def _with_exact(values: tuple[float, ...], vehicle: str) -> Answers:
+def _with_exact(values: Values, vehicle: str) -> Answers:
     answers = _answers(values, vehicle)
     try:
         return replace(answers, exact=limit_cycles(answers.averaged.system, points=answers.hopf))
@@ -199,12 +247,12 @@ def _by(branch: Branch, averaging: CriticalSpeeds) -> CriticalSpeeds:
 
 
 @lru_cache(maxsize=64)
-def _sweep(values: tuple[float, ...], vehicle: str, end: float) -> Phasor:
+def _sweep(values: Values, vehicle: str, end: float) -> Phasor:
     return eigenvalues(_answers(values, vehicle).averaged.system, _speeds(end) / KMH)
 
 
 @lru_cache(maxsize=64)
-def _damping(values: tuple[float, ...], vehicle: str, end: float) -> Array:
+def _damping(values: Values, vehicle: str, end: float) -> Array:
     return np.sort(damping_ratios(_sweep(values, vehicle, end)), axis=-1)
 
 

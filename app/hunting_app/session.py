@@ -7,11 +7,13 @@ from typing import Any
 
 import panel as pn
 
-from hunting_app import link, notebook, words
+from hunting_app import designs, files, link, notebook, words
 from hunting_app.advice import Advice
 from hunting_app.blocks import block
+from hunting_app.drawer import Drawer
 from hunting_app.explore import Explore
 from hunting_app.header import Header
+from hunting_app.history import History
 from hunting_app.markup import Html
 from hunting_app.model_page import model_page
 from hunting_app.pace import send_at_once, style_from_this_server
@@ -26,20 +28,13 @@ from hunting_app.state import (
     with_preset,
     with_reset,
     with_value,
+    with_values,
 )
+from hunting_app.toolbar import Toolbar
 from hunting_app.units import SI, scale
 
-_SETTLED = {
-    "rest",
-    "link",
-    "page",
-    "curve",
-    "exact",
-    "averaged",
-    "disturbance",
-    "pair",
-    "units",
-}  # acts after which the address bar is brought up
+_SLOW = {"rest", "link", "page", "curve", "exact", "averaged", "disturbance", "pair"}
+# acts after which the motion is simulated, too slow for a moving hand
 
 
 def dashboard(search: str | None = None) -> pn.viewable.Viewable:
@@ -90,8 +85,13 @@ class Session:
             dark=dark,
             address=link.query(self.state) if served else None,
         )
+        self.history = History(self.state.edited())
+        self._moving: str | None = None  # whose slider the hand is on
+        self._said = ""
         self.sidebar = Sidebar(self.act_all, names)
         self.advice = Advice(self.state, self.show)
+        self.toolbar = Toolbar(self.state, self.act, served=bool(served))
+        self.drawer = Drawer(self.state, self.act, served=bool(served))
         self.show()
         self.explore = Explore(self.state, self.act, self.advice)
         self.pages = {
@@ -99,7 +99,9 @@ class Session:
             "study": block("page"),
             "model": block("page"),
         }
-        self.root = block("root", self.header, *self.pages.values())
+        self.root = block(
+            "root", block("top", self.header, self.toolbar, self.drawer), *self.pages.values()
+        )
         self._turn_page()
         self._choose_scheme()
         self.state.param.watch(lambda *_: self._turn_page(), ["page"])
@@ -123,6 +125,8 @@ class Session:
 
     def _do(self, act: dict[str, Any]) -> None:
         name = act.get("set", "")
+        if self._moving not in (None, name):
+            self._end_edit()  # of the slider that the hand was on before
         self.refused.pop(name, None)
         try:
             change = self._change(act)
@@ -134,19 +138,30 @@ class Session:
                 self.notices = [str(refusal)]
             return
         self.state.param.update(**change)
-        if not act.keys().isdisjoint(_SETTLED):
+        if not act.keys().isdisjoint(_SLOW):
             self.explore.run()
-        if self.header.address is not None and not act.keys().isdisjoint(_SETTLED):
+        if name:
+            self._moving = name
+        else:
+            self._end_edit()
+
+    def _end_edit(self) -> None:
+        """Make what was changed one step of the history and one of the Back button."""
+        self._moving = None
+        self.history.note(self.state.edited())
+        if self.header.address is not None:
             self.header.address = link.query(self.state)
 
     def _check(self, change: dict[str, Any]) -> None:
         """Raise what the model has against a change before it is made."""
         now = self.state
+        baseline = change.get("baseline", now.baseline)
         picture(
             change.get("parameters", now.parameters),
             change.get("vehicle", now.vehicle),
             change.get("speed", now.speed),
             exact=False,
+            baseline=baseline and baseline.parameters,
         )
 
     def _change(self, act: dict[str, Any]) -> dict[str, Any]:
@@ -155,6 +170,8 @@ class Session:
                 if name in FIELDS:  # the browser may not know yet that the units have changed
                     value = scale(name, rest.get("units", SI)).read(value)
                 return with_value(self.state, name, value)
+            case {"values": dict(values)}:
+                return with_values(self.state, values)
             case {"reset": list(names)}:
                 for name in names:
                     self.refused.pop(name, None)
@@ -165,23 +182,44 @@ class Session:
             case {"link": search}:
                 change, self.notices = link.changes(search)
                 return change
+            case {"undo": True}:
+                return self.history.undo()
+            case {"redo": True}:
+                return self.history.redo()
+            case {"design": _}:
+                return designs.with_change(self.state, act)
+            case {"keep": True}:
+                return designs.with_kept(self.state)
+            case {"pin": bool(pinned)}:
+                return {"baseline": self.state.design() if pinned else None}
+            case {"file": name, "text": text, "size": size}:
+                self.refused.clear()
+                change, self._said = files.with_file(self.state, name, text, size)
+                self.notices = []
+                return change
+            case {"stored": text}:
+                self.history.take(change := {"designs": files.stored(text)})
+                return change
             case {"dismiss": True}:
                 self.notices = []
             case {"dark": bool()}:
                 return act
-            case {"disturbance": size, **at}:
-                return with_disturbance(size) | ({"speed": at["speed"]} if "speed" in at else {})
+            case {"disturbance": size, "speed": speed}:
+                return with_disturbance(size) | with_value(self.state, "V", speed)
+            case {"disturbance": size}:
+                return with_disturbance(size)
             case _ if len(act) == 1 and (name := next(iter(act))) in CHOICES:
                 return with_choice(name, act[name])
         return {}
 
     def show(self) -> None:
         """Bring the controls up to date; the plots watch the state themselves."""
-        self.sidebar.present(
-            self.state, dict(self.refused), self.notices, words.provenance(self.state)
-        )
+        self.sidebar.present(self.state, dict(self.refused), words.provenance(self.state))
         self.sidebar.idle = self.advice.idle
         self.header.param.update(page=self.state.page, dark=self.state.dark)
+        self.toolbar.present(self.history, self.notices, self._said)
+        self._said = ""
+        self.drawer.present()
 
     def _turn_page(self) -> None:
         if self.state.page == "model" and not len(self.pages["model"]):

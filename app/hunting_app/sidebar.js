@@ -80,17 +80,6 @@ class Scale {
   }
 }
 
-function element(tag, attributes = {}, ...children) {
-  const made = document.createElement(tag);
-  for (const [name, value] of Object.entries(attributes)) {
-    if (name.startsWith("on")) made.addEventListener(name.slice(2), value);
-    else if (value === true) made.setAttribute(name, "");
-    else if (value !== false && value != null) made.setAttribute(name, value);
-  }
-  made.append(...children.filter((child) => child != null));
-  return made;
-}
-
 function symbol(row) {
   return element("span", { class: "symbol" }, element("i", {}, row.symbol),
     row.subscript ? element("sub", {}, row.subscript) : null);
@@ -223,7 +212,6 @@ export function render({ model }) {
     (key) => channel.send("vehicle", { vehicle: key }));
   const units = choice("units", "Units", model.unit_systems,
     (key) => channel.send("units", { units: key }));
-  const notices = element("div", { class: "notices", role: "alert" });
   const provenance = element("p", { class: "provenance" });
   const note = element("p", { class: "provenance" }, "Grey: hardly moves V_nl or V_lin here.");
   const resetAll = element("button", {
@@ -237,10 +225,22 @@ export function render({ model }) {
     if (!groups.has(row.row.group)) groups.set(row.row.group, []);
     groups.get(row.row.group).push(row);
   }
+  const backs = [];
+  /** The rows of a group, folded by its name, and what puts them all back. */
+  function folded(name, members) {
+    const back = element("button", {
+      type: "button", class: "back", title: `put ${name} back to the preset's values`,
+      "aria-label": `put all of ${name} back to the preset's values`,
+      onclick: () => channel.send(`reset ${name}`, { reset: members.map((r) => r.row.name) }),
+    }, "↺");
+    backs.push(() => { back.disabled = members.every((r) => r.value === r.base); });
+    return element("div", { class: "group", "data-group": name },
+      element("details", { open: true }, element("summary", {}, name), ...members.map((r) => r.node)),
+      back);
+  }
   const [speed, ...others] = [...groups].map(([name, members]) => name === "speed"
     ? element("div", { class: "speed" }, ...members.map((r) => r.node))
-    : element("details", { open: true, class: "group" }, element("summary", {}, name),
-      ...members.map((r) => r.node)));
+    : folded(name, members));
   const wide = window.matchMedia("(min-width: 801px)");
   const fold = element("details", { class: "fold", open: wide.matches },
     element("summary", {}, "Parameters"), provenance, ...others,
@@ -248,7 +248,7 @@ export function render({ model }) {
   const refold = () => { fold.open = wide.matches; };
   wide.addEventListener("change", refold);
   model.on("remove", () => wide.removeEventListener("change", refold));
-  box.append(notices, presets.node, vehicles.node, speed, fold, tip.node);
+  box.append(presets.node, vehicles.node, speed, fold, tip.node);
 
   function show() {
     for (const row of rows) {
@@ -260,15 +260,8 @@ export function render({ model }) {
     if (!channel.isPending("units")) units.show(model.units);
     provenance.textContent = model.provenance;
     note.hidden = Object.keys(model.idle).length === 0;
+    for (const showBack of backs) showBack();
     resetAll.disabled = others.length && !rows.some((r) => r.row.name !== "V" && r.value !== r.base);
-  }
-  function notice() {
-    notices.replaceChildren(...model.notices.map((text) => element("p", {}, text)));
-    if (model.notices.length) {
-      notices.append(element("button", {
-        type: "button", onclick: () => channel.send("dismiss", { dismiss: true }),
-      }, "Dismiss"));
-    }
   }
   let planned = false; // several values arrive in one update: show them once
   const plan = () => {
@@ -281,9 +274,7 @@ export function render({ model }) {
     rows.forEach((row, i) => row.measureIn(model.rows[i]));
     plan();
   });
-  model.on("notices", notice);
   model.on("after_render", () => keepKeys(box));
   show();
-  notice();
   return box;
 }

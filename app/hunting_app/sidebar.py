@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import param
 from panel.custom import JSComponent
 
+from hunting_app.scripts import script
 from hunting_app.state import FIELDS, PRESETS, SPEED, VEHICLES, State
 from hunting_app.units import UNITS, scale
 
@@ -38,10 +39,9 @@ class Sidebar(JSComponent):
     provenance = param.String(doc="Whose numbers these are.")
     refused = param.Dict(default={}, doc="By row: why what was typed is not allowed.")
     idle = param.Dict(default={}, doc="By row: that it moves no answer, in words.")
-    notices = param.List(doc="What was refused of a link.")
     answered = param.Integer(doc="Number of the last message that was dealt with.")
 
-    _esm: ClassVar = _HERE / "sidebar.js"
+    _esm: ClassVar = script("dom", "sidebar")
     _stylesheets: ClassVar = [(_HERE / "sidebar.css").read_text(encoding="utf-8")]
 
     def __init__(
@@ -66,9 +66,7 @@ class Sidebar(JSComponent):
         self._number = data["number"]
         self._act(data["acts"])
 
-    def present(
-        self, state: State, refused: dict[str, str], notices: list[str], words: str
-    ) -> None:
+    def present(self, state: State, refused: dict[str, str], words: str) -> None:
         """Show the state and what was refused, and let the browser send its next message."""
         if self.units != state.units:
             self.rows = [_row(scale(n, state.units).field) for n in self._names]
@@ -82,7 +80,6 @@ class Sidebar(JSComponent):
             vehicle=state.vehicle,
             provenance=words,
             refused=refused,
-            notices=notices,
             answered=self._number,
         )
 

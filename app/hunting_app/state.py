@@ -52,6 +52,28 @@ SPEED = Field(
     span=(10.0, 300.0),
 )
 FASTEST = 1440.0  # km/h; the model looks for Hopf points up to 400 m/s
+EDITED = (
+    *("preset", "parameters", "vehicle", "speed", "disturbance", "pair"),
+    *("curve", "exact", "averaged", "baseline", "designs"),
+)  # what undo takes back: all that is chosen but the page and the colours
+
+
+@dataclass(frozen=True)
+class Design:
+    """Parameters under a name, and the preset that they are changes of."""
+
+    name: str
+    preset: str
+    parameters: Parameters
+
+    def changed(self) -> list[str]:
+        """Names of the parameters that differ from the preset."""
+        base = PRESETS[self.preset].parameters
+        return [n for n in FIELDS if getattr(self.parameters, n) != getattr(base, n)]
+
+    def same(self, other: Design) -> bool:
+        """Whether the other has the same preset and parameters, whatever its name."""
+        return self.preset == other.preset and self.parameters == other.parameters
 
 
 class State(param.Parameterized):
@@ -77,6 +99,10 @@ class State(param.Parameterized):
     units: Any = param.Selector(
         default="si", objects=["si", "engineering"], doc="Units of the parameters on the page."
     )
+    baseline = param.ClassSelector(
+        class_=Design, allow_None=True, default=None, doc="What everything is compared with."
+    )
+    designs = param.ClassSelector(class_=tuple, default=(), doc="The designs that were kept.")
     page: Any = param.Selector(default="explore", objects=list(PAGES), doc="The page shown.")
     dark = param.Boolean(default=False, doc="Light on dark instead of dark on light.")
 
@@ -86,8 +112,19 @@ class State(param.Parameterized):
 
     def changed(self) -> list[str]:
         """Names of the parameters that differ from the preset."""
-        base = self.base()
-        return [n for n in FIELDS if getattr(self.parameters, n) != getattr(base, n)]
+        return self.design().changed()
+
+    def design(self, name: str = "") -> Design:
+        """The present parameters under a name."""
+        return Design(name, self.preset, self.parameters)
+
+    def pinned(self) -> Parameters | None:
+        """The parameters of the baseline, if there is one."""
+        return None if self.baseline is None else self.baseline.parameters
+
+    def edited(self) -> dict[str, Any]:
+        """What undo takes back."""
+        return {name: getattr(self, name) for name in EDITED}
 
 
 def with_value(state: State, name: str, value: float | str) -> dict[str, Any]:
@@ -105,6 +142,17 @@ def with_value(state: State, name: str, value: float | str) -> dict[str, Any]:
             raise ValueError(f"V must be at most {FASTEST:.0f} km/h, got {speed:g}")
         return {"speed": speed}
     return {"parameters": state.parameters.replace(**{name: number})}
+
+
+def with_values(state: State, values: dict[str, float]) -> dict[str, Any]:
+    """Return the change of `state` that gives several parameters their values at once.
+
+    Raises
+    ------
+    ValueError, TypeError
+        If a name is unknown or a value is not allowed, in words.
+    """
+    return {"parameters": state.parameters.replace(**values)}
 
 
 def with_choice(name: str, value: Any) -> dict[str, Any]:

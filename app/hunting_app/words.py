@@ -10,6 +10,7 @@ from hunting_app.picture import KMH, MM
 from hunting_app.state import PRESETS, State
 
 if TYPE_CHECKING:
+    from hunting.critical_speeds import CriticalSpeeds
     from hunting_app.picture import Answers, Moment, Picture
 
 _TERMS = {
@@ -57,25 +58,25 @@ def legend(shown: Picture) -> str:
             (mark, f"{label} ({whose})" if mark.startswith("<i") else label, note)
             for mark, label, note in entries
         ]
+    if shown.baseline:
+        note = "The design that was pinned: everything is compared with it."
+        entries.append((_LINE.format("baseline"), "baseline", note))
     items = "".join(f'<li title="{note}">{mark} {label}</li>' for mark, label, note in entries)
     return f'<ul class="legend" aria-label="legend">{items}</ul>'
 
 
 def answers(shown: Picture) -> str:
     """The critical speeds of each vehicle, as a strip of HTML."""
-    return "".join(_answer_row(one) for one in shown.answers.values())
+    return "".join(_answer_row(one, shown.baseline.get(v)) for v, one in shown.answers.items())
 
 
-def _answer_row(one: Answers) -> str:
+def _answer_row(one: Answers, baseline: Answers | None) -> str:
     critical = one.critical
-    linear, nonlinear = KMH * float(critical.linear), KMH * float(critical.nonlinear)
-    hertz = float(critical.frequency) / (2 * math.pi)
+    before = _quantities(baseline) if baseline else {}
     values = {
-        "V<sub>nl</sub>": _number(nonlinear, "km/h"),
-        "V<sub>lin</sub>": _number(linear, "km/h"),
-        "band": _number(linear - nonlinear, "km/h"),
-        "f": _number(hertz, "Hz", 2),
-        "λ": _number(linear / KMH / hertz if hertz else math.nan, "m"),
+        symbol: _number(value, unit, digits)
+        + (_change(value, before[symbol][0], unit, digits) if before else "")
+        for symbol, (value, unit, digits) in _quantities(one).items()
     }
     notes = {"V<sub>nl</sub>": _method(one)}
     cells = "".join(
@@ -84,13 +85,45 @@ def _answer_row(one: Answers) -> str:
         f"<dd>{value}</dd>{notes.get(symbol, '')}</div>"
         for i, (symbol, value) in enumerate(values.items())
     )
-    kind = critical.criticality if critical.criticality != "none" else critical.message
+    kind = _kind(critical)
+    if baseline and (was := _kind(baseline.critical)) != kind:
+        kind = f"{kind}; baseline: {was}"
     return (
         f'<section class="answers {one.vehicle}" aria-label="critical speeds of the {one.vehicle}">'
         f'<h2><i></i>{one.vehicle}<span class="kind">{escape(str(kind))}</span></h2>'
         f"<dl>{cells}</dl>"
         "</section>"
     )
+
+
+def _quantities(one: Answers) -> dict[str, tuple[float, str, int]]:
+    """Return each answer, its unit and its decimals."""
+    critical = one.critical
+    linear, nonlinear = KMH * float(critical.linear), KMH * float(critical.nonlinear)
+    hertz = float(critical.frequency) / (2 * math.pi)
+    return {
+        "V<sub>nl</sub>": (nonlinear, "km/h", 1),
+        "V<sub>lin</sub>": (linear, "km/h", 1),
+        "band": (linear - nonlinear, "km/h", 1),
+        "f": (hertz, "Hz", 2),
+        "λ": (linear / KMH / hertz if hertz else math.nan, "m", 1),
+    }
+
+
+def _kind(critical: CriticalSpeeds) -> str:
+    return str(critical.criticality if critical.criticality != "none" else critical.message)
+
+
+def _change(now: float, before: float, unit: str, digits: int) -> str:
+    """Return the change against the baseline, of the numbers as they are shown."""
+    if not math.isfinite(before):
+        text = "baseline: none" if math.isfinite(now) else ""
+    elif not math.isfinite(now):
+        text = f"baseline: {before:.{digits}f} {unit}"
+    else:
+        change = round(now, digits) - round(before, digits)
+        text = f"{change:+.{digits}f} {unit}".replace("-", "−") if abs(change) > 1e-9 else "±0"
+    return f'<span class="change" title="change against the baseline">{text}</span>' if text else ""
 
 
 def _method(one: Answers) -> str:

@@ -80,6 +80,12 @@ class Plot:
         self._of_vehicle += [(renderer, role) for role in set(inks.values()) & set(VEHICLES)]
         return renderer
 
+    def behind(self, source: ColumnDataSource, **look: Any) -> Any:
+        """Add a grey line of the baseline, hidden until there is one."""
+        line = self.add("line", source, {"line_color": "baseline"}, **look)
+        line.visible = False
+        return line
+
     def show_vehicles(self, vehicles: set[str]) -> None:
         """Draw only these: what is hidden costs no time."""
         for renderer, vehicle in self._of_vehicle:
@@ -100,6 +106,9 @@ class Plot:
 
     def draw_moment(self, shown: Picture) -> None:
         """Draw what holds at the chosen speed."""
+
+    def draw_baseline(self, shown: Picture) -> None:
+        """Draw what is compared with, in grey."""
 
     def frame(self, x: tuple[float, float], y: tuple[float, float]) -> None:
         """Set the axes; what has not changed is left alone, and with it the person's zoom."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -39,7 +39,9 @@ class Bifurcation(Plot):
         self.hopf = {v: feed.source("V", "a") for v in self.branches}
         self.folds = {v: feed.source("V", "a") for v in self.branches}
         self.cycles = {v: feed.source("V", "stable", "unstable") for v in self.branches}
+        self.baseline = {v: feed.source("V", "stable", "unstable") for v in self.branches}
         self._draw_background()
+        self._greys = {v: self._add_baseline(v) for v in self.branches}
         for vehicle in self.branches:
             self._draw_averaged(vehicle)
         for vehicle in self.branches:
@@ -56,6 +58,16 @@ class Bifurcation(Plot):
             line_width=1.5,
         )  # fmt: skip
         self.add("vspan", self.cursor, {"line_color": "cursor"}, x="x", line_width=1.5)
+
+    def _add_baseline(self, v: str) -> list[Any]:
+        stable, unstable = (
+            self.behind(self.baseline[v], x="V", y=column, line_width=3, line_dash=dash)
+            for column, dash in (("stable", []), ("unstable", [7, 5]))
+        )
+        for line, column in ((stable, "stable"), (unstable, "unstable")):
+            label = f"baseline, {v}, {column} cycle"
+            self.hover([line], [(label, f"@{column}{{0.00}} mm"), ("at", "@V{0.0} km/h")])
+        return [stable, unstable]
 
     def _draw_averaged(self, v: str) -> None:
         source, colour = self.averaged[v], {"line_color": "averaged"}
@@ -113,7 +125,15 @@ class Bifurcation(Plot):
             )
         delta = shown.clearance
         self.feed.put(self.clearance, {"y": [delta]})
-        self.frame((0, end), (0, rounded_up(1.2 * delta)))
+        self.frame((0, end), (0, rounded_up(1.2 * max(delta, shown.baseline_clearance))))
+
+    def draw_baseline(self, shown: Picture) -> None:
+        """Draw the baseline's branches: the exact one, or the averaged one if that is hidden."""
+        for vehicle, source in self.baseline.items():
+            answers = shown.baseline.get(vehicle)
+            self.feed.put(source, _branch(answers.branch if answers else None))
+            for line in self._greys[vehicle]:
+                line.visible = answers is not None
 
     def draw_moment(self, shown: Picture) -> None:
         """Draw the cursor and the cycles it meets."""

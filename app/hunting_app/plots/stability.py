@@ -38,6 +38,13 @@ class Damping(Plot):
         self.ink(zero, line_color="hunting")
         self.add("vspan", cursor, {"line_color": "cursor"}, x="x", line_width=1.5)
         self.modes = {v: feed.source("V", *_MODES) for v in ("bogie", "wheelset")}
+        self.baseline = {v: feed.source("V", "least") for v in self.modes}
+        self._greys = {
+            v: self.behind(source, x="V", y="least", line_width=2.5)
+            for v, source in self.baseline.items()
+        }
+        for v, line in self._greys.items():
+            self.hover([line], [(f"baseline, {v}, ζ", "@least{0.00} %"), ("at", "@V{0.0} km/h")])
         self.hopf = {v: feed.source("V", "zero") for v in self.modes}
         for v, source in self.modes.items():
             for mode, width in zip(_MODES, (3, 1.5, 1.5), strict=True):
@@ -65,6 +72,17 @@ class Damping(Plot):
         self.frame(
             (0, float(shown.speeds[-1])), (-min(rounded_up(max(-1.1 * low, 0.3)), reach), reach)
         )
+
+    def draw_baseline(self, shown: Picture) -> None:
+        """Draw the least damped mode of the baseline."""
+        for v, source in self.baseline.items():
+            there = v in shown.baseline_damping
+            self._greys[v].visible = there
+            if there:
+                least = 100 * shown.baseline_damping[v]
+                self.feed.put(source, {"V": shown.speeds, "least": least})
+            else:
+                self.feed.put(source, {"V": [], "least": []})
 
 
 class Locus(Plot):

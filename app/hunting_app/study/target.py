@@ -86,9 +86,8 @@ class Target(Section):
     def clicked(self, act: dict[str, Any]) -> None:
         """Take the proposed values to the sliders."""
         if act.get("take") and self.result is not None:
-            for name in self.result.changes:
-                value = float(getattr(self.result.parameters, name))
-                self.act({"set": name, "to": float(f"{value:.7g}")})
+            found = {n: float(getattr(self.result.parameters, n)) for n in self.result.changes}
+            self.act({"values": {n: float(f"{value:.7g}") for n, value in found.items()}})
             self.act({"page": "explore"})
 
     def csv(self) -> str:
