@@ -14,7 +14,10 @@ function element(tag, attributes = {}, ...children) {
 /** Let the browser save a text as a file. */
 function download({ name, text, type }) {
   const url = URL.createObjectURL(new Blob([text], { type }));
-  element("a", { href: url, download: name }).click();
+  const link = element("a", { href: url, download: name });
+  document.body.append(link); // Firefox follows only links of the page
+  link.click();
+  link.remove();
   setTimeout(() => URL.revokeObjectURL(url), 10_000);
 }
 

@@ -53,7 +53,11 @@ export function render({ model }) {
       () => act({ design: name, ...change }), { "data-key": `${at} ${key}`, disabled: off });
     const box_ = element("input", {
       type: "text", value: name, maxlength: 40, "aria-label": `name of ${name}`, "data-key": `${at} name`,
-      onchange: (event) => act({ design: name, rename: event.target.value }),
+      onchange: ({ target }) => {
+        const asked = target.value;
+        target.value = name; // until the server agrees
+        act({ design: name, rename: asked });
+      },
       onkeydown: (event) => { if (event.key === "Escape") { event.target.value = name; event.stopPropagation(); } },
     });
     return element("tr", { class: row.shown ? "shown" : "", "data-design": name },
@@ -81,15 +85,16 @@ export function render({ model }) {
       ? element("table", {}, element("thead", {}, head()), element("tbody", {}, ...model.rows.map(line)))
       : element("p", {}, "No design is kept yet. Keep what is on the sliders now, change something, keep "
         + "that too, and compare. They stay in this browser; links do not hold them, but files do."));
-    if (key) refocus(was, key);
+    if (key) refocus(was, key, active.value);
   }
-  function refocus(name, key) {
+  /** Back to the button or box that had the focus: of this design, or of what is in its place. */
+  function refocus(name, key, typed) {
+    const [at, kind] = key.split(" ");
     const lines = [...body.querySelectorAll("tr[data-design]")];
-    const kind = key.split(" ")[1];
-    const line_ = lines.find((one) => one.dataset.design === name) ?? lines[Math.min(Number(key.split(" ")[0]), lines.length - 1)];
-    const same = line_ && [...line_.querySelectorAll("[data-key]")].find((one) => one.dataset.key.endsWith(` ${kind}`));
-    const next = same && !same.disabled ? same : line_?.querySelector("button:enabled");
-    (next ?? keep).focus();
+    const place = lines.find((one) => one.dataset.design === name) ?? lines[at] ?? lines.at(-1);
+    const same = place?.querySelector(`[data-key$=" ${kind}"]:enabled`);
+    (same ?? place?.querySelector("button:enabled") ?? keep).focus();
+    if (kind === "name" && same && typed !== name) same.value = typed; // not finished yet
   }
 
   let planned = false;
@@ -99,7 +104,7 @@ export function render({ model }) {
     queueMicrotask(() => { planned = false; show(); });
   };
   for (const name of ["rows", "columns", "count"]) model.on(name, plan);
-  model.on("msg:custom", (event) => download(event.data));
+  model.on("msg:custom", download);
 
   function remember() {
     try { window.localStorage.setItem(MEMORY, model.stored); } catch { /* full or forbidden: kept in the session alone */ }

@@ -102,7 +102,7 @@ export function render({ model }) {
   for (const name of ["undo", "redo", "baseline", "pinnable"]) model.on(name, show);
   model.on("notices", notice);
   model.on("said", () => say(model.said[0]));
-  model.on("msg:custom", (event) => download(event.data));
+  model.on("msg:custom", download);
   show();
   notice();
   return element("div", { class: "bar" }, box, notices, said, target);

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 
 import pytest
+from playwright.sync_api import expect
 
 IDLE = "() => window.Bokeh?.documents?.length && Bokeh.documents[0].is_idle"
 SETTLED_MS = 150
@@ -45,16 +46,34 @@ class Dashboard:
         self.page.get_by_text(label, exact=True).first.click()
         self.settle()
 
+    def press(self, label):
+        """Press a button by its beginning: ``"Undo"``, ``"Pin as baseline"``."""
+        self.page.get_by_role("button", name=re.compile(rf"^\W*{label}")).first.click()
+        self.settle()
+
+    def key(self, keys):
+        self.page.keyboard.press(keys)
+        self.settle()
+
     def settle(self):
         """Wait until nothing is under way any more, the address bar included."""
         self.page.wait_for_timeout(SETTLED_MS)
-        self.page.locator("[data-busy=no]").wait_for(state="attached")
+        busy = self.page.locator("[data-busy=yes]")
+        expect(busy).to_have_count(0, timeout=30_000)
 
     def answer(self, name, vehicle="bogie"):
         """The number shown for, say, ``"linear critical speed"``; None where it says none."""
         cell = self.page.locator(f"section.{vehicle} [data-answer='{name}'] dd")
         found = re.match(r"-?[\d.]+", cell.inner_text())
         return float(found[0]) if found else None
+
+    def change(self, name, vehicle="bogie"):
+        """The change against the baseline as it is shown, such as ``"+4.2 km/h"``."""
+        change = self.page.locator(f"section.{vehicle} [data-answer='{name}'] .change")
+        return change.inner_text() if change.count() else None
+
+    def value(self, name):
+        return float(self.box(name).input_value().replace(",", "").replace("−", "-"))
 
     def said(self):
         """The sentence under the diagram."""
