@@ -131,7 +131,7 @@ class Bifurcation(Plot):
         """Draw the baseline's branches: the exact one, or the averaged one if that is hidden."""
         for vehicle, source in self.baseline.items():
             answers = shown.baseline.get(vehicle)
-            self.feed.put(source, _branch(answers.branch if answers else None))
+            self.feed.put(source, branch_columns(answers.branch if answers else None))
             for line in self._greys[vehicle]:
                 line.visible = answers is not None
 
