@@ -33,8 +33,10 @@ from hunting_app.state import (
 from hunting_app.toolbar import Toolbar
 from hunting_app.units import SI, scale
 
-_SLOW = {"rest", "link", "page", "curve", "exact", "averaged", "disturbance", "pair"}
-# acts after which the motion is simulated, too slow for a moving hand
+_SLOW = {
+    *("rest", "link", "page", "curve", "exact", "averaged", "disturbance", "pair"),
+    *("undo", "redo", "design", "values", "file"),
+}  # acts after which motions are simulated: too slow for a moving hand
 
 
 def dashboard(search: str | None = None) -> pn.viewable.Viewable:

@@ -120,3 +120,19 @@ def test_the_history_does_not_grow_without_end():
         history.note({"value": value})
     assert len(history.past) == LONGEST
     assert history.undo() == {"value": 2 * LONGEST - 2}
+
+
+def test_undo_brings_the_motion_back():
+    session = Session("?disturbance=6&V=142")
+    drag(session, "Ky", 1e5)
+    session.act({"undo": True})
+    motions = session.explore.details.motions
+    assert motions.motion is not None
+    assert (
+        motions.motion.trajectory.system.matrix(1.0).tolist()
+        == (
+            Session("?disturbance=6&V=142").explore.details.motions.motion.trajectory.system.matrix(
+                1.0
+            )
+        ).tolist()
+    )
