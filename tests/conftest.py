@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import os
 import re
+import shutil
 import signal
 import socket
 import subprocess
 import sys
+import tempfile
 import time
 import urllib.error
 import urllib.request
@@ -40,6 +42,23 @@ CHROMIUM_FLAGS = [
 hypothesis.settings.register_profile("dev", deadline=None)
 hypothesis.settings.register_profile("ci", deadline=None, derandomize=True, database=None)
 hypothesis.settings.load_profile("ci" if IN_CI else "dev")
+
+
+# ---------------------------------------------------------------- notebooks
+
+STARTUP = """import warnings
+warnings.simplefilter("error")
+"""
+
+
+def pytest_sessionstart(session: pytest.Session) -> None:
+    """Make a warning in a notebook an error, as it is in every test."""
+    folder = Path(tempfile.mkdtemp(prefix="ipython-"))
+    session.config.add_cleanup(lambda: shutil.rmtree(folder, ignore_errors=True))
+    startup = folder / "profile_default" / "startup"
+    startup.mkdir(parents=True)
+    (startup / "00-strict.py").write_text(STARTUP)
+    os.environ["IPYTHONDIR"] = str(folder)
 
 
 # ---------------------------------------------------------------- browser tests
