@@ -1,6 +1,8 @@
 # make serve    the dashboard, on this machine
 # make test     everything that CI checks
 # make bench    timings, each beside its yardstick
+# make fuzz     five hundred random sequences of everything that can be done to the page
+# make load     fifty visitors at once, two hundred who come and go, a thousand moves
 # make verify   the program against independent programs: writes docs/verification.md
 # make image    the web demo's container image, with a check of it (docker or podman)
 # make demo     that container, running
@@ -19,7 +21,7 @@ export VENV PYTHON PORT
 python = $(VENV)/bin/python
 
 .DEFAULT_GOAL := help
-.PHONY: help serve test bench verify lint image demo lock clean
+.PHONY: help serve test bench fuzz load verify lint image demo lock clean
 
 help:
 	@sed -n 's/^# \{0,1\}//p; /^$$/q' Makefile
@@ -37,7 +39,16 @@ bench:
 	@sh tools/environment.sh test
 	@$(python) tools/find_chromium.py
 	@echo "==> benchmarks"
-	@$(python) -m pytest tests/benchmarks
+	@$(python) -m pytest tests/benchmarks --ignore tests/benchmarks/test_load.py
+
+fuzz:
+	@sh tools/environment.sh test
+	@FUZZ=500 $(python) -m pytest tests/app/test_fuzz.py
+
+load:
+	@sh tools/environment.sh test
+	@$(python) tools/find_chromium.py
+	@$(python) -m pytest tests/benchmarks/test_load.py
 
 verify:
 	@sh tools/environment.sh test

@@ -583,7 +583,7 @@ def _decay(
     messages = []
     for i, ending in enumerate(_endings(march, reach)):
         size = f"{1e3 * envelope[-1, i]:.2f} mm"
-        verb = "grows" if envelope[-1, i] > envelope[1, i] else "shrinks"
+        verb = "grows" if envelope[-1, i] > envelope[:2][-1, i] else "shrinks"
         if dies[i]:
             messages.append(f"dies out in {last_above[i]:.1f} s")
         elif settled[i]:
