@@ -19,8 +19,8 @@ from hunting.parameters import RECONSTRUCTED, TABLE_1, Field, Parameters
 from hunting.sensitivity import Sensitivity, sensitivity
 from hunting.simulation import Decay, SpeedRamp, Trajectory, decays, simulate, speed_ramp
 from hunting.stability import HopfPoints, damping_ratios, eigenvalues, hopf_points
-from hunting.study import Figure, figure
-from hunting.sweeps import Sweep, sweep
+from hunting.study import Figure, figure, figures
+from hunting.sweeps import Sweep, sweep, sweeps
 from hunting.uncertainty import Indices, Uncertainty, uncertainty
 from hunting.vehicles import bogie, wheelset
 
@@ -61,12 +61,14 @@ __all__ = [
     "design",
     "eigenvalues",
     "figure",
+    "figures",
     "hopf_points",
     "limit_cycles",
     "sensitivity",
     "simulate",
     "speed_ramp",
     "sweep",
+    "sweeps",
     "uncertainty",
     "wheelset",
 ]

@@ -15,7 +15,8 @@ import numpy as np
 from hunting.critical_speeds import Method, critical_speeds
 from hunting.elements import Array
 from hunting.parameters import RECONSTRUCTED, Field, Parameters
-from hunting.study import NUMBERS, POINTS, Figure, figure
+from hunting.study import NUMBERS, POINTS, Figure
+from hunting.study import figures as computed
 
 VISIBLE = 0.01  # smallest relative change that a reader of a printed curve sees
 SMALL = 0.1  # largest relative change that we call small
@@ -306,9 +307,8 @@ def claims(
     within 1.0 %.
     """
     known = dict(figures or {})
-    for number in NUMBERS:
-        if number not in known:
-            known[number] = figure(number, parameters, method=method, points=points)
+    missing = [number for number in NUMBERS if number not in known]
+    known |= computed(missing, parameters, method=method, points=points)
     families = {number: known[number] for number in NUMBERS if known[number].sweep is not None}
     about_all = [_about_all(families, quantity) for quantity in PRINTED]
     about_each = [

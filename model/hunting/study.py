@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from concurrent.futures import Executor
 from dataclasses import dataclass
 
@@ -16,7 +16,7 @@ from hunting.critical_speeds import Method
 from hunting.elements import Array
 from hunting.limit_cycles import limit_cycles
 from hunting.parameters import RECONSTRUCTED, Field, Parameters
-from hunting.sweeps import Sweep, sweep
+from hunting.sweeps import Sweep, sweeps
 from hunting.tables import header, rows
 from hunting.vehicles import bogie, wheelset
 
@@ -123,18 +123,51 @@ def figure(
     >>> family.sweep.nonlinear[2] < family.sweep.linear[2]
     array([ True, True, True])
     """
-    if number not in NUMBERS:
-        raise ValueError(f"number must be one of {NUMBERS[0]} to {NUMBERS[-1]}, got {number!r}")
-    if number == 3:
-        cycles = averaged_branch if method == "averaging" else limit_cycles
-        branches = {v.__name__: cycles(v(parameters)) for v in (wheelset, bogie)}
-        title = "Fig. 3: wheelset and bogie"
-        return Figure(number, title, parameters, method, None, None, branches)
-    field = _FAMILIES[number]
-    axes = {"Ky": np.multiply(KY_FACTORS, parameters.Ky), field.name: span_of(field, points)}
-    family = sweep(vehicle, parameters, axes, method, executor, progress, store)
-    title = f"Fig. {number}: {field.label}"
-    return Figure(number, title, parameters, method, field, family, {})
+    return figures([number], parameters, vehicle, method, points, executor, progress, store)[number]
+
+
+def figures(
+    numbers: Iterable[int] = NUMBERS,
+    parameters: Parameters = RECONSTRUCTED,
+    vehicle: Vehicle = bogie,
+    method: Method = "harmonic_balance",
+    points: int = POINTS,
+    executor: Executor | None = None,
+    progress: Progress | None = None,
+    store: str | os.PathLike[str] | None = None,
+) -> dict[int, Figure]:
+    """Return the data of several of the paper's figures, solved together.
+
+    Parameters
+    ----------
+    numbers : iterable of int, default all
+        3 to 14.
+    parameters, vehicle, method, points, executor, progress, store
+        As for `figure`, which also says what is raised.
+
+    Returns
+    -------
+    dict of int to Figure
+    """
+    numbers = list(numbers)
+    for number in numbers:
+        if number not in NUMBERS:
+            raise ValueError(f"number must be one of {NUMBERS[0]} to {NUMBERS[-1]}, got {number!r}")
+    shown = {n: _figure_3(parameters, method) for n in numbers if n == 3}
+    fields = {n: _FAMILIES[n] for n in numbers if n != 3}
+    curves = np.multiply(KY_FACTORS, parameters.Ky)
+    grids = [{"Ky": curves, field.name: span_of(field, points)} for field in fields.values()]
+    families = sweeps(vehicle, parameters, grids, method, executor, progress, store)
+    for (number, field), family in zip(fields.items(), families, strict=True):
+        title = f"Fig. {number}: {field.label}"
+        shown[number] = Figure(number, title, parameters, method, field, family, {})
+    return shown
+
+
+def _figure_3(parameters: Parameters, method: Method) -> Figure:
+    cycles = averaged_branch if method == "averaging" else limit_cycles
+    branches = {v.__name__: cycles(v(parameters)) for v in (wheelset, bogie)}
+    return Figure(3, "Fig. 3: wheelset and bogie", parameters, method, None, None, branches)
 
 
 def span_of(field: Field, points: int = POINTS) -> Array:

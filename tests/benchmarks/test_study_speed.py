@@ -23,12 +23,13 @@ if hasattr(os, "sched_setaffinity"):
     os.sched_setaffinity(0, {{min(os.sched_getaffinity(0))}})
 import numpy as np
 from hunting import RECONSTRUCTED, Parameters, bogie, critical_speeds, figure, sweep, uncertainty
+from hunting import study
 from hunting.study import NUMBERS
 
 FIELDS = Parameters.fields()
 
 def figures():
-    shown = [figure(n).sweep for n in NUMBERS[1:]]
+    shown = [f.sweep for f in study.figures(NUMBERS[1:]).values()]
     return [p for s in shown for p in points(s.axes)], 0
 
 def map_of(method):
