@@ -398,12 +398,13 @@ def solve(balance: Balance, guess: Cycles, line: Line, tolerance: float = _TOLER
     converged = np.zeros(M, dtype=bool)
     V_slope, Y_slope = np.full((2, M), np.nan)
     going, before = np.arange(M), np.full(M, np.inf)
+    here = balance  # the equations of those still going
     for step_number in range(_STEPS):
         if len(going) == 0:
             break
         part = cycles[going]
         on_line = (line[0][going], line[1][going], line[2][going])
-        r, J = balance.take(going).newton_system(part, on_line)
+        r, J = here.newton_system(part, on_line)
         right_sides = np.zeros((*r.shape, 2))
         right_sides[..., 0] = -r
         right_sides[:, -1, 1] = 1.0
@@ -416,7 +417,9 @@ def solve(balance: Balance, guess: Cycles, line: Line, tolerance: float = _TOLER
         possible = np.isfinite(size) & (part.V > 0) & (part.omega > 0) & (part.Y > 0)
         shrinks = (step_number < _PATIENCE) | (size < before[going])
         before[going] = size
-        going = going[~done & possible & shrinks]
+        still = np.flatnonzero(~done & possible & shrinks)
+        if len(still) < len(going):
+            going, here = going[still], here.take(still)
     return Solution(cycles, line, converged, V_slope, Y_slope)
 
 

@@ -173,24 +173,29 @@ class LureSystem:
         index : array_like of int, shape (m,)
             Places in the stack in C order; they may repeat.
         """
+        index = np.asarray(index)
 
         def flat(values: Array, core: int) -> Array:
             matrix = values.shape[values.ndim - core :]
             full = np.broadcast_to(values, self.shape + matrix)
-            return np.asarray(full.reshape(-1, *matrix)[np.asarray(index)])
+            return np.asarray(full.reshape(-1, *matrix)[index])
+
+        def own(values: Array, core: int) -> Array:
+            """What is the same for all systems needs no copies."""
+            return values if values.ndim == core else flat(values, core)
 
         links = [
             Connection(
                 dataclasses.replace(
                     link.element,  # type: ignore[type-var]
                     **{
-                        name: flat(np.asarray(value), 0)
+                        name: own(np.asarray(value), 0)
                         for name, value in vars(link.element).items()
                         if not isinstance(value, str)
                     },
                 ),
-                C=flat(link.C, 2),
-                B=flat(link.B, 2),
+                C=own(link.C, 2),
+                B=own(link.B, 2),
             )
             for link in self.elements
         ]

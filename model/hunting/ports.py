@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from hunting.elements import Array, Phasor
-from hunting.half_period import HalfPeriod, half_period, odd_powers
+from hunting.half_period import HalfPeriod, half_period, odd_powers, wave
 from hunting.lure import LureSystem
 
 
@@ -110,7 +110,7 @@ def response(ports: Ports, U: Phasor, orders: Array, slope_orders: int) -> Respo
     """
     half = half_period(U, orders, ports.kinks(), panels=max(6, round(orders[-1] / 5)))
     # z^k for odd k serves the forces, and times z* the even harmonics of the slopes.
-    z = np.exp(-1j * half.theta)
+    z = wave(-half.theta)
     odd = odd_powers(z, max(slope_orders, len(orders)))
     waves = odd[:, : len(orders)]
     u = (np.swapaxes(waves, -1, -2) @ np.conj(U)).real

@@ -170,6 +170,8 @@ def sweeps(
     """
     if parameters.shape:
         raise ValueError(f"parameters must be numbers, got arrays of shape {parameters.shape}")
+    if not grids:
+        return []
     checked = [checked_axes(axes) for axes in grids]
     answers = solve_cases(
         Cases(vehicle, parameters, _joined(parameters, list(map(_columns, checked))), method),
