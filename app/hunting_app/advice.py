@@ -141,8 +141,9 @@ def best(values: tuple[float, ...], vehicle: str) -> Gains:
 
 def advice(found: dict[str, Gains]) -> str:
     """What to change to raise V_nl, as HTML; for two vehicles without the names of parameters."""
-    of = [f"{vehicle}: {_changes(gains, len(found) == 1)}" for vehicle, gains in found.items()]
-    return f"To raise V<sub>nl</sub> of the {'; of the '.join(of)}"
+    alone = len(found) == 1
+    of = [f"{vehicle}: {_changes(gains, alone)}" for vehicle, gains in found.items()]
+    return f"To raise V<sub>nl</sub>{'' if alone else ' [km/h]'} of the {'; of the '.join(of)}"
 
 
 def _changes(gains: Gains, named: bool) -> str:
@@ -150,7 +151,7 @@ def _changes(gains: Gains, named: bool) -> str:
         ", ".join(
             f"{escape(FIELDS[name].label) if named else ''} "
             f"<b>{with_subscripts(FIELDS[name].symbol)}</b> "
-            f"{100 * share:+.0f} % <b>({gain:+.1f} km/h)</b>".replace("-", "−")
+            f"{100 * share:+.0f} % <b>({gain:+.1f}{' km/h' if named else ''})</b>".replace("-", "−")
             for name, share, gain in gains
         )
         or "nothing does, there is none"

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from hunting_app import words
 from hunting_app.blocks import block, button, column, said
+from hunting_app.glossary import term
 from hunting_app.markup import Html, text
 from hunting_app.motions import Motions
 from hunting_app.plots.portraits import Portraits
@@ -59,7 +60,7 @@ class Details:
         self.choice.html = "".join(
             button({"curve": name}, label, pressed=name == self.state.curve)
             for name, label in CURVES.items()
-        )
+        ) + term(CURVES[self.state.curve], "?", classes="what")
 
     def draw_moment(self, shown: Picture, settled: bool) -> None:
         """Draw and say what holds at the chosen speed."""
@@ -68,7 +69,9 @@ class Details:
         self.motions.draw_moment(shown, settled)
         self.texts["stability"].html = said(words.stability(shown))
         if settled:
-            self.texts["portraits"].html = f"<h2>Phase portraits</h2>{said(words.portraits(shown))}"
+            self.texts[
+                "portraits"
+            ].html = f"<h2>{term('Phase portraits')}</h2>{said(words.portraits(shown))}"
 
     def cards(self) -> list[Any]:
         """The cards, for the grid of the page."""

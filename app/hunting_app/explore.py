@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from html import escape
 from typing import TYPE_CHECKING, Any
 
 import panel as pn
 from bokeh.events import Tap
 
 from hunting_app import words
-from hunting_app.blocks import LAYOUT, block, button, column, said
+from hunting_app.blocks import LAYOUT, block, button, column
 from hunting_app.details import Details
 from hunting_app.exports.files import Files
+from hunting_app.glossary import explained, term
 from hunting_app.markup import Html, text
 from hunting_app.pace import send_at_once
 from hunting_app.palette import palette
@@ -152,9 +152,9 @@ class Explore:
     def _write(self, shown: Picture) -> None:
         self.texts["answers"].html = words.answers(shown)
         self.texts["bifurcation"].html = (
-            "<h2>Bifurcation diagram</h2>"
-            + said(words.diagram(shown))
-            + "".join(f'<p class="warning">{escape(w)}</p>' for w in words.warnings(shown))
+            f"<h2>{term('Bifurcation diagram')}</h2>"
+            + explained(words.diagram(shown))
+            + words.warning_signs(shown)
             + words.legend(shown)
         )
 

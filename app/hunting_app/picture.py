@@ -13,7 +13,7 @@ from hunting import Parameters, bogie, wheelset
 from hunting.bogoliubov import averaged_branch
 from hunting.branch import Branch, LimitCycle
 from hunting.critical_speeds import CriticalSpeeds, critical_speeds
-from hunting.elements import Array, Phasor
+from hunting.elements import Array, Phasor, PolynomialDamper
 from hunting.limit_cycles import limit_cycles
 from hunting.stability import HopfPoints, damping_ratios, eigenvalues, hopf_points
 from hunting_app.state import VEHICLES
@@ -74,6 +74,21 @@ class Answers:
     def unstable_everywhere(self) -> bool:
         """No Hopf point, as the centred motion is never stable."""
         return not self.hopf.speed.size and self.hopf.unstable_below.item() > 0
+
+    @cached_property
+    def damper_pushes(self) -> tuple[float, float] | None:
+        """The speeds of the yaw damper [m/s] at which its force is negative, from where to where.
+
+        None if no limit cycle of the branch is that fast.
+        """
+        branch = self.branch
+        for at in branch.system.elements:
+            if isinstance(at.element, PolynomialDamper) and branch.speed.size:
+                pushes = at.element.pushes()
+                largest = branch.motion(int(np.argmax(branch.amplitude)), _CYCLE).state
+                if pushes is not None and np.abs(largest @ at.C.T).max() > pushes[0]:
+                    return pushes
+        return None
 
     @property
     def lowest(self) -> float:

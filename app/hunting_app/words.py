@@ -6,6 +6,7 @@ import math
 from html import escape
 from typing import TYPE_CHECKING
 
+from hunting_app.glossary import GLOSSARY, bubbled, term
 from hunting_app.picture import KMH, MM
 from hunting_app.state import PRESETS, State
 
@@ -14,38 +15,25 @@ if TYPE_CHECKING:
     from hunting_app.picture import Answers, Moment, Picture
 
 _TERMS = {
-    "V<sub>nl</sub>": (
-        "nonlinear critical speed",
-        "Below it every motion dies out, whatever the disturbance.",
-    ),
-    "V<sub>lin</sub>": (
-        "linear critical speed",
-        "Above it the bogie hunts by itself: the centred motion is unstable.",
-    ),
-    "band": (
-        "conditional band",
-        "Between the two speeds it depends on the size of the disturbance.",
-    ),
-    "f": ("hunting frequency", "Frequency of the motion at V_lin."),
-    "λ": ("wavelength", "Distance travelled in one hunting period at V_lin."),
+    "V<sub>nl</sub>": "nonlinear critical speed",
+    "V<sub>lin</sub>": "linear critical speed",
+    "band": "conditional band",
+    "f": "hunting frequency",
+    "λ": "wavelength",
 }
 
 _LINE = '<svg width="26" height="10" aria-hidden="true"><path d="M1 5h24" class="{}"/></svg>'
 _DOT = '<svg width="12" height="12" aria-hidden="true"><path d="{}" class="mark"/></svg>'
 _KEY = (
-    (_LINE.format("stable"), "stable limit cycle", "Neighbouring motions approach it."),
-    (
-        _LINE.format("unstable"),
-        "unstable limit cycle",
-        "Larger disturbances grow, smaller die out.",
-    ),
-    (_LINE.format("averaged"), "averaged", "Bogoliubov's first order, the paper's method."),
-    (_DOT.format("M6 2a4 4 0 1 0 .01 0z"), "Hopf point", "The centred motion loses stability."),
-    (_DOT.format("M6 0l4 6-4 6-4-6z"), "fold", "The lowest speed at which a limit cycle exists."),
-    (_LINE.format("clearance"), "flange clearance δ", "Beyond it the flange touches the rail."),
-    ('<i class="safe"></i>', "safe", "Every motion dies out."),
-    ('<i class="conditional"></i>', "conditional", "It depends on the disturbance."),
-    ('<i class="hunting"></i>', "hunting", "Any disturbance grows."),
+    (_LINE.format("stable"), "stable limit cycle", "stable limit cycle: hunting"),
+    (_LINE.format("unstable"), "unstable limit cycle", "unstable limit cycle: the threshold"),
+    (_LINE.format("averaged"), "averaged", "averaged"),
+    (_DOT.format("M6 2a4 4 0 1 0 .01 0z"), "Hopf point", "Hopf point"),
+    (_DOT.format("M6 0l4 6-4 6-4-6z"), "fold", "fold"),
+    (_LINE.format("clearance"), "flange clearance", "flange clearance δ"),
+    ('<i class="safe"></i>', "safe", "safe"),
+    ('<i class="conditional"></i>', "conditional", "conditional"),
+    ('<i class="hunting"></i>', "hunting", "hunting"),
 )
 
 
@@ -55,13 +43,12 @@ def legend(shown: Picture) -> str:
     if len(shown.answers) > 1:
         whose = next(iter(shown.answers))
         entries = [
-            (mark, f"{label} ({whose})" if mark.startswith("<i") else label, note)
-            for mark, label, note in entries
+            (mark, word, f"{label} ({whose})" if mark.startswith("<i") else label)
+            for mark, word, label in entries
         ]
     if shown.baseline:
-        note = "The design that was pinned: everything is compared with it."
-        entries.append((_LINE.format("baseline"), "baseline", note))
-    items = "".join(f'<li title="{note}">{mark} {label}</li>' for mark, label, note in entries)
+        entries.append((_LINE.format("baseline"), "baseline", "baseline"))
+    items = "".join(term(word, f"{mark} {label}", tag="li") for mark, word, label in entries)
     return f'<ul class="legend" aria-label="legend">{items}</ul>'
 
 
@@ -80,17 +67,18 @@ def _answer_row(one: Answers, baseline: Answers | None) -> str:
     }
     notes = {"V<sub>nl</sub>": _method(one)}
     cells = "".join(
-        f'<div class="answer {"big" if i < 2 else ""}" data-answer="{escape(_TERMS[symbol][0])}">'
-        f'<dt title="{escape(_TERMS[symbol][1])}"><b>{symbol}</b> {_TERMS[symbol][0]}</dt>'
+        f'<div class="answer {"big" if i < 2 else ""}" data-answer="{_TERMS[symbol]}">'
+        f"<dt>{term(_TERMS[symbol], f'<b>{symbol}</b> {_TERMS[symbol]}')}</dt>"
         f"<dd>{value}</dd>{notes.get(symbol, '')}</div>"
         for i, (symbol, value) in enumerate(values.items())
     )
     kind = _kind(critical)
-    if baseline and (was := _kind(baseline.critical)) != kind:
-        kind = f"{kind}; baseline: {was}"
+    kind = term(kind) if kind in GLOSSARY else escape(kind)
+    if baseline and (was := _kind(baseline.critical)) != _kind(critical):
+        kind = f"{kind}; baseline: {escape(was)}"
     return (
         f'<section class="answers {one.vehicle}" aria-label="critical speeds of the {one.vehicle}">'
-        f'<h2><i></i>{one.vehicle}<span class="kind">{escape(str(kind))}</span></h2>'
+        f'<h2><i></i>{one.vehicle}<span class="kind">{kind}</span></h2>'
         f"<dl>{cells}</dl>"
         "</section>"
     )
@@ -182,20 +170,49 @@ def _diagram(one: Answers, moment: Moment, speed: float) -> str:
     return f"{start} is safe: every disturbance dies out."
 
 
-def warnings(shown: Picture) -> list[str]:
-    """What a reader of the answers must know besides."""
-    return [text for one in shown.answers.values() for text in _warnings(one)]
+def warnings(shown: Picture) -> dict[str, str]:
+    """What a reader of the answers must know besides, by a short name for each."""
+    several = len(shown.answers) > 1
+    return {
+        f"{vehicle}: {short}" if several else short: text
+        for vehicle, one in shown.answers.items()
+        for short, text in _warnings(one).items()
+    } | _pushing_damper(shown)
 
 
-def _warnings(one: Answers) -> list[str]:
-    found = [
-        f"The {one.vehicle} also hunts from {KMH * low:.0f} to {KMH * high:.0f} km/h "
-        "(a low-speed window, primary hunting)."
-        for low, high in one.critical.windows
-    ]
-    if one.critical.message and math.isfinite(one.critical.linear):
-        found.append(f"{one.vehicle}: {one.critical.message}.")
+def warning_signs(shown: Picture) -> str:
+    """The short names in a row, as HTML; each has its sentence in a bubble."""
+    signs = "".join(bubbled(short, text, tag="li") for short, text in warnings(shown).items())
+    return f'<ul class="warnings" aria-label="warnings">{signs}</ul>' if signs else ""
+
+
+def _warnings(one: Answers) -> dict[str, str]:
+    found = {}
+    for low, high in one.critical.windows:
+        at = f"{KMH * low:.0f} to {KMH * high:.0f} km/h"
+        found[f"hunts at {at}, too"] = (
+            f"The {one.vehicle} also hunts from {at} (a low-speed window, primary hunting)."
+        )
+    if not math.isfinite(one.critical.linear):
+        return found
+    message, end = str(one.critical.message), str(one.branch.message)
+    if message:
+        found["no fold"] = f"{one.vehicle}: {message}."
+    if end and end not in message and one.branch.speed.size:
+        at = f"{KMH * one.branch.speed[-1]:.0f} km/h"
+        found[f"branch ends at {at}"] = f"{one.vehicle}: {end} (at {at})."
     return found
+
+
+def _pushing_damper(shown: Picture) -> dict[str, str]:
+    """Say so where the yaw damper's force helps the motion it should brake."""
+    for one in shown.answers.values():
+        if one.damper_pushes is not None:
+            low, high = one.damper_pushes
+            at = f"from {low:.3g} to {high:.3g} m/s" if high < math.inf else f"above {low:.3g} m/s"
+            text = f"The yaw damper pushes instead of braking {at}, and limit cycles are that fast."
+            return {"yaw damper pushes": text}
+    return {}
 
 
 def portraits(shown: Picture) -> str:
@@ -203,16 +220,13 @@ def portraits(shown: Picture) -> str:
     parts = []
     for vehicle, moment in shown.moments.items():
         cycles = ", ".join(
-            f"{'a stable' if c.stable else 'an unstable'} cycle of {MM * c.amplitude:.1f} mm "
-            f"at {c.frequency / (2 * math.pi):.2f} Hz"
+            f"{'stable' if c.stable else 'unstable'} cycle of {MM * c.amplitude:.1f} mm "
+            f"({c.frequency / (2 * math.pi):.2f} Hz)"
             for c in moment.cycles
         )
         centre = "stable" if moment.centre_is_stable else "unstable"
-        parts.append(f"{vehicle}: {cycles or 'no limit cycle'}; the centre is {centre}.")
-    text = " ".join(parts)
-    return f"At {shown.speed:.4g} km/h, {text}" + (
-        " The wheelset's frame is held still (z = 0)." if "wheelset" in shown.moments else ""
-    )
+        parts.append(f"{vehicle}: {cycles or 'no limit cycle'}, centre {centre}.")
+    return f"At {shown.speed:.4g} km/h, {' '.join(parts)}"
 
 
 def stability(shown: Picture) -> str:

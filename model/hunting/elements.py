@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import dataclasses
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any, Protocol, Self
 
 import numpy as np
@@ -184,6 +185,31 @@ class PolynomialDamper(_Scalar):
         """8 C2/(3 pi) + 3/2 C3 v + 32 C4 v^2/(5 pi)."""
         C2, C3, C4 = self._beyond_C1()
         return 8 / (3 * np.pi) * C2 + size * (3 / 2 * C3 + size * 32 / (5 * np.pi) * C4)
+
+    def pushes(self) -> tuple[float, float] | None:
+        """Return the lowest speeds at which the force is negative: from where to where.
+
+        There the damper helps the motion that it should brake.
+
+        Returns
+        -------
+        tuple of float, or None
+            Ends of the interval [m/s], the upper one perhaps infinite. None if there is none.
+
+        Examples
+        --------
+        >>> PolynomialDamper(C1=1.0, C2=-3.0, C3=2.0, C4=0.0).pushes()
+        (0.5, 1.0)
+        >>> PolynomialDamper(C1=1.0, C2=0.0, C3=0.0, C4=1.0).pushes()
+        """
+        factors = [float(np.squeeze(c)) for c in (self.C1, self.C2, self.C3, self.C4)]
+        roots = np.roots(factors[::-1])
+        real = np.sort(roots.real[(np.abs(roots.imag) <= 1e-9 * np.abs(roots)) & (roots.real > 0)])
+        for low, high in pairwise([0.0, *real.tolist(), np.inf]):
+            middle = (low + high) / 2 if np.isfinite(high) else 2 * low + 1.0
+            if np.polynomial.Polynomial(factors)(middle) < 0:
+                return low, high
+        return None
 
     def _beyond_C1(self) -> tuple[Coefficient, Coefficient, Coefficient]:
         return _on_ports(self.C2), _on_ports(self.C3), _on_ports(self.C4)

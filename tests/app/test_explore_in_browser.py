@@ -251,7 +251,7 @@ def test_on_a_phone_the_sliders_are_folded_away(open_dashboard):
 
 def test_everything_is_reached_by_keyboard(dashboard):
     reached = set()
-    for _ in range(120):
+    for _ in range(170):
         dashboard.page.keyboard.press("Tab")
         reached.add(
             dashboard.count(

@@ -62,7 +62,7 @@ class Files:
     def make(self, card: str, kind: str) -> File:
         """Return a file of a card, or the report of them all."""
         s = self.state
-        shown = picture(s.parameters, s.vehicle, s.speed, s.exact == "shown")
+        shown = picture(s.parameters, s.vehicle, s.speed, s.exact == "shown", s.pinned())
         motions = self._motions()
         motion = motions.motion if motions else None
         said = str(motions.text.html) if motions and motion else ""

@@ -61,7 +61,9 @@ def report(state: State, shown: Picture, motion: Disturbed | None, verdict: str)
     portraits = "".join(drawn[name] for name in drawn if name.startswith("portrait"))
     lanes = "".join(drawn[name] for name in drawn if name.startswith("history"))
     moved = f"<section><h2>Simulated motion</h2>{verdict}{lanes}</section>" if motion else ""
-    warnings = "".join(f'<p class="warning">{escape(w)}</p>' for w in words.warnings(shown))
+    warnings = "".join(
+        f'<p class="warning">{escape(w)}</p>' for w in words.warnings(shown).values()
+    )
     return f"""<!DOCTYPE html>
 <html lang="en">
 <head>
@@ -115,6 +117,7 @@ def _plots(state: State, shown: Picture, motion: Disturbed | None) -> dict[str, 
     for plot in plots.values():
         plot.dress(LIGHT)
         plot.show_vehicles(set(VEHICLES[state.vehicle]))
+        plot.draw_baseline(shown)
     bifurcation.draw(shown, averaging=state.averaged == "shown")
     bifurcation.draw_moment(shown)
     portraits.draw_moment(shown)
