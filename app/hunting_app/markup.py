@@ -33,6 +33,7 @@ class Html(JSComponent):
     """Markup with buttons; what one stands for is its ``data-act``, as JSON."""
 
     html = param.String(doc="What is shown.")
+    scrolls = param.Boolean(default=False, doc="Whether the keyboard must reach it to scroll it.")
 
     _esm: ClassVar = _HERE / "markup.js"
     _stylesheets: ClassVar = [STYLE]

@@ -12,6 +12,7 @@ from hunting_app import verdicts
 from hunting_app.blocks import block, button, column, said
 from hunting_app.disturbance import Disturbed, disturbed
 from hunting_app.markup import Html, text
+from hunting_app.numerals import written
 from hunting_app.picture import picture
 from hunting_app.plan import Plan
 from hunting_app.plots.history import History, Motion
@@ -66,7 +67,7 @@ class Motions:
         self.buttons.html = _buttons(
             verdicts.no_threshold(shown.answers[vehicle], moment, shown.speed),
             pair=self.state.pair == "yes",
-            any_motion=bool(self.state.disturbance) or self.state.pair == "yes",
+            size=self.state.disturbance,
         )
         if self.motion is None:
             self.text.html = said(verdicts.invitation())
@@ -141,11 +142,19 @@ class Motions:
         )
 
 
-def _buttons(why_not: str, *, pair: bool, any_motion: bool) -> str:
+def _buttons(why_not: str, *, pair: bool, size: float) -> str:
     beside = button(
         {"pair": "no" if pair else "yes"},
         "Just inside and outside the unstable cycle",
         pressed=pair,
         why_not=why_not,
     )
-    return beside + (button({"disturbance": 0}, "Clear", pressed=False) if any_motion else "")
+    typed = (
+        '<label class="asks">Disturb by <input type="text" inputmode="decimal" autocomplete="off" '
+        f'data-asks="disturbance" value="{written(size) if size else ""}"> mm</label>'
+    )
+    return (
+        beside
+        + typed
+        + (button({"disturbance": 0}, "Clear", pressed=False) if size or pair else "")
+    )

@@ -13,6 +13,7 @@ from hunting_app.blocks import block
 from hunting_app.drawer import Drawer
 from hunting_app.explore import Explore
 from hunting_app.header import Header
+from hunting_app.hints import Hints
 from hunting_app.history import History
 from hunting_app.markup import Html
 from hunting_app.model_page import model_page
@@ -102,7 +103,10 @@ class Session:
             "model": block("page"),
         }
         self.root = block(
-            "root", block("top", self.header, self.toolbar, self.drawer), *self.pages.values()
+            "root",
+            block("top", self.header, self.toolbar, self.drawer),
+            *self.pages.values(),
+            *([Hints()] if served else []),
         )
         self._turn_page()
         self._choose_scheme()
@@ -225,7 +229,7 @@ class Session:
 
     def _turn_page(self) -> None:
         if self.state.page == "model" and not len(self.pages["model"]):
-            self.pages["model"].append(Html(html=model_page(), css_classes=["whole"]))
+            self.pages["model"].append(Html(html=model_page(), css_classes=["whole"], scrolls=True))
         if self.state.page == "study" and not len(self.pages["study"]):
             from hunting_app.study_page import StudyPage  # takes HoloViews along: a second
 

@@ -24,8 +24,8 @@ _SHRUNK = 0.5  # the share below which what has not died out is said to be dying
 def invitation() -> str:
     """What to do while there is no motion."""
     return (
-        "Click anywhere in the bifurcation diagram: that disturbance is simulated at that speed, "
-        "and the motion is drawn here and on the phase portraits."
+        "Click anywhere in the bifurcation diagram, or type a displacement above: that disturbance "
+        "is simulated, and the motion is drawn here and on the phase portraits."
     )
 
 

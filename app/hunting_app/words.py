@@ -69,7 +69,7 @@ def _answer_row(one: Answers, baseline: Answers | None) -> str:
     cells = "".join(
         f'<div class="answer {"big" if i < 2 else ""}" data-answer="{_TERMS[symbol]}">'
         f"<dt>{term(_TERMS[symbol], f'<b>{symbol}</b> {_TERMS[symbol]}')}</dt>"
-        f"<dd>{value}</dd>{notes.get(symbol, '')}</div>"
+        f"<dd>{value}{notes.get(symbol, '')}</dd></div>"
         for i, (symbol, value) in enumerate(values.items())
     )
     kind = _kind(critical)

@@ -18,7 +18,9 @@ class Dashboard:
         self.page = page
         self.url = url
 
-    def open(self, search=""):
+    def open(self, search="", hints=False):
+        if not hints:
+            self.page.add_init_script("localStorage.setItem('hunting-hints', 'seen')")
         self.page.goto(f"{self.url}{search}")
         self.page.wait_for_function(IDLE)
         self.page.locator(".card.stability canvas").first.wait_for(state="attached")

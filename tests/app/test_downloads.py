@@ -105,6 +105,7 @@ def test_the_report_opens_without_a_network_and_its_plots_move(open_dashboard, c
         assert "disturbed in the shape of" in text
         start = "() => Bokeh.documents[0].get_model_by_name('bifurcation').x_range.start"
         assert page.evaluate(start) == 0
+        page.locator(".plot.bifurcation").scroll_into_view_if_needed()
         box = page.locator(".plot.bifurcation canvas").first.bounding_box()
         middle = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
         page.mouse.move(*middle)
