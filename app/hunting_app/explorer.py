@@ -6,6 +6,8 @@ from collections.abc import Iterable
 from typing import Any
 
 import panel as pn
+from bokeh.models import UIElement
+from panel.io.notebook import patch_inline_stylesheets
 from panel.viewable import Viewer
 
 from hunting import Branch, CriticalSpeeds, Parameters
@@ -153,7 +155,13 @@ class Explorer(Viewer):
         ImportError
             If jupyter_bokeh is not installed.
         """
-        return pn.ipywidget(self.__panel__())
+        view = self.__panel__()
+        widget = pn.ipywidget(view)
+        ((model, _parent),) = view._models.values()
+        for part in model.select({"type": UIElement}):
+            patch_inline_stylesheets(part)  # those that Panel leaves on its CDN
+        widget.update_from_model(model)
+        return widget
 
     def _answers(self) -> Answers:
         chosen = self.state

@@ -37,3 +37,11 @@ def load() -> None:
 
     hv.extension("bokeh", inline=True, logo=False)  # Bokeh's and Panel's, the larger part
     pn.extension(inline=True)  # stylesheets, too
+    from holoviews.core.dimension import LabelledData
+
+    hv.Store.set_display_hook("html+js", LabelledData, _shown)
+
+
+def _shown(view: Any) -> Any:
+    """Show a HoloViews object as Panel does: HoloViews itself leaves stylesheets on a CDN."""
+    return pn.pane.HoloViews(view, sizing_mode="stretch_width")._repr_mimebundle_()

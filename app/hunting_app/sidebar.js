@@ -101,7 +101,7 @@ class Row {
       "aria-describedby": `${id}-meaning ${id}-refusal`, autocomplete: "off", spellcheck: "false",
       "data-name": row.name,
       onchange: () => this.type(), onfocus: () => this.box.select(),
-      onkeydown: (event) => { if (event.key === "Escape") this.show(this.value, this.base, null, this.idle); },
+      onkeydown: (event) => this.press(event),
     });
     this.back = element("button", {
       type: "button", class: "back", title: "put back to the preset's value",
@@ -135,6 +135,10 @@ class Row {
     this.box.value = written(value);
     this.describe(value);
     this.send(value);
+  }
+  press(event) {
+    if (event.key === "Enter") event.stopPropagation(); // a notebook would take it, and the box keep still
+    if (event.key === "Escape") this.show(this.value, this.base, null, this.idle);
   }
   type() { this.send(this.box.value); }
   send(value) {
