@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from hunting_app.plots.base import Plot
     from hunting_app.state import State
 
-PAUSE = 60  # ms after which the exact branch follows a move; until then only what is cheap
+PAUSE = 5  # ms for the cheap answer to leave, before the exact branch is computed
 
 
 class Explore:

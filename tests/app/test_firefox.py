@@ -12,7 +12,7 @@ from itertools import count
 import pytest
 from tornado.websocket import websocket_connect
 
-from tests.conftest import IN_CI, free_port
+from tests.conftest import free_port
 
 NAMES = ("firefox-esr", "firefox")
 START_SECONDS = 60
@@ -115,7 +115,6 @@ class Firefox:
 def firefox(tmp_path):
     program = next(filter(None, map(shutil.which, NAMES)), None)
     if program is None:
-        assert not IN_CI, "CI=true, and there is no Firefox"
         pytest.skip("no Firefox found: install firefox-esr")
     browser = Firefox(program, tmp_path)
     try:

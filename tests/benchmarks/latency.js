@@ -45,16 +45,21 @@ window.prepare = (kind) => {
   return { sliders: sliders.length, plots };
 };
 
-/** Move a slider; resolve with the ms until the last canvas of the new picture is painted. */
-window.timedMove = (name, position, quiet = 50, timeout = 10000) => new Promise((resolve, reject) => {
+/**
+ * Move a slider; resolve with the ms until the new answer is painted, and until the last canvas is.
+ * What follows within `quiet` ms of a painting belongs to the same move.
+ */
+window.timedMove = (name, position, quiet = 80, timeout = 10000) => new Promise((resolve, reject) => {
   const { painted } = window;
   const before = window.arrivals;
   const start = performance.now();
+  let first = null;
   window.move(name, position);
   const look = () => {
     const now = performance.now();
     const isNew = window.arrivals > before && painted.last > window.arrived;
-    if (isNew && now - painted.last > quiet) resolve(painted.last - start);
+    if (isNew && first === null) first = painted.last - start;
+    if (isNew && now - painted.last > quiet) resolve([first, painted.last - start]);
     else if (now - start > timeout) reject(new Error(`no new picture after ${timeout} ms`));
     else requestAnimationFrame(look);
   };

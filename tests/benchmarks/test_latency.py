@@ -67,7 +67,10 @@ def move(page, name, position):
     return page.evaluate("([name, position]) => timedMove(name, position)", [name, position])
 
 
-@pytest.mark.parametrize("query", ["", "?vehicle=both"], ids=["bogie", "both"])
+LIMITS = np.array([1.5, 2.0])  # of what a bare page takes: the answers, and all that follows
+
+
+@pytest.mark.parametrize("query", ["", "/?vehicle=both"], ids=["bogie", "both"])
 def test_a_move_is_painted_in_twice_what_a_bare_page_takes(
     served, new_page, yardsticks, report, query
 ):
@@ -79,12 +82,14 @@ def test_a_move_is_painted_in_twice_what_a_bare_page_takes(
     for k in range(66):  # in turns, so that both meet the same noise
         mine.append(move(ours, "Ky", 120 + 2 * k))
         yardstick.append(move(bare, "p3", 120 + 2 * k))
-    (m50, m95), (y50, y95) = (np.percentile(times[6:], (50, 95)) for times in (mine, yardstick))
-    report(
-        f"slider to paint, {counts['plots']} plots{query}: median {m50:.0f} ms, 95 % {m95:.0f} ms; "
-        f"bare Bokeh page {y50:.0f} and {y95:.0f} ms: {m50 / y50:.2f} times (at most 2)"
-    )
-    assert m50 <= 2 * y50
+    (m50, m95), (y50, y95) = (np.percentile(t[6:], (50, 95), axis=0) for t in (mine, yardstick))
+    for i, what in enumerate(["new answers", "everything, the exact branch too,"]):
+        report(
+            f"slider to paint, {counts['plots']} plots{query}: {what} after {m50[i]:.0f} ms, 95 % "
+            f"{m95[i]:.0f} ms; bare Bokeh page {y50[i]:.0f} and {y95[i]:.0f} ms: "
+            f"{m50[i] / y50[i]:.2f} times (at most {LIMITS[i]})"
+        )
+    assert (m50 <= LIMITS * y50).all()
 
 
 def test_a_move_without_the_exact_branch_is_painted_in_one_and_a_half_times(
@@ -95,7 +100,7 @@ def test_a_move_without_the_exact_branch_is_painted_in_one_and_a_half_times(
     bare = opened(new_page, yardsticks("bare_bokeh.py", "bokeh", PLOTS=str(counts["plots"])))
     bare.evaluate("prepare('bare')")
     times = [(move(ours, "Ky", 120 + 2 * k), move(bare, "p3", 120 + 2 * k)) for k in range(66)]
-    mine, yardstick = np.median(times[6:], axis=0)
+    mine, yardstick = np.median(times[6:], axis=0)[:, 1]
     report(
         f"slider to paint, averaging alone: {mine:.0f} ms; bare Bokeh page {yardstick:.0f} ms: "
         f"{mine / yardstick:.2f} times (at most 1.5)"
