@@ -29,9 +29,8 @@ export function render({ model }) {
       const keys = verb === "Undo" ? "Ctrl+Z" : "Ctrl+Shift+Z";
       node.title = what ? `${verb}: ${what} (${keys})` : `Nothing to ${verb.toLowerCase()} (${keys})`;
     }
-    const pinned = model.baseline !== null;
     pin.disabled = !model.pinnable;
-    unpin.hidden = !pinned;
+    unpin.hidden = !model.pinned;
     unpin.textContent = model.baseline ? `Unpin ${model.baseline}` : "Unpin";
     unpin.title = "Take the baseline's grey curves away";
   }
@@ -99,7 +98,7 @@ export function render({ model }) {
     for (const [name, listener] of Object.entries(listeners)) document.removeEventListener(name, listener);
   });
 
-  for (const name of ["undo", "redo", "baseline", "pinnable"]) model.on(name, show);
+  for (const name of ["undo", "redo", "pinned", "baseline", "pinnable"]) model.on(name, show);
   model.on("notices", notice);
   model.on("said", () => say(model.said[0]));
   model.on("msg:custom", download);

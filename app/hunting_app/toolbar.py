@@ -34,7 +34,8 @@ class Toolbar(JSComponent):
     served = param.Boolean(doc="Whether page and address bar are all ours.")
     undo = param.String(doc="What would be taken back; empty if nothing.")
     redo = param.String(doc="What would be done again; empty if nothing.")
-    baseline = param.String(allow_None=True, doc="The baseline's name; None without one.")
+    pinned = param.Boolean(doc="Whether there is a baseline.")
+    baseline = param.String(doc="The baseline's name.")
     pinnable = param.Boolean(default=True, doc="Whether the baseline is another design.")
     largest = param.Integer(default=files.LARGEST, doc="The largest file [bytes] that is sent.")
     notices = param.List(doc="What was refused.")
@@ -63,7 +64,8 @@ class Toolbar(JSComponent):
         self.param.update(
             undo=_described(history.past),
             redo=_described(history.future),
-            baseline=pinned and pinned.name,
+            pinned=pinned is not None,
+            baseline=pinned.name if pinned else "",
             pinnable=pinned is None or not pinned.same(now),
             notices=notices,
         )

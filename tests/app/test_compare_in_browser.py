@@ -179,7 +179,10 @@ def test_a_pinned_baseline_stays_in_grey_and_every_answer_shows_its_change(dashb
     assert in_grey(dashboard, "damping") == 2
     dashboard.choose("wheelset")
     assert in_grey(dashboard, "bifurcation") == 2
+    unpin = dashboard.page.get_by_role("button", name="Unpin")
+    expect(unpin).to_be_visible()
     dashboard.press("Unpin")
+    expect(unpin).to_be_hidden()
     assert in_grey(dashboard, "bifurcation") == in_grey(dashboard, "damping") == 0
     assert dashboard.change(V_NL, "wheelset") is None
     dashboard.press("Undo")

@@ -6,11 +6,12 @@ import os
 import socket
 import subprocess
 import sys
+import time
+import urllib.request
 from pathlib import Path
 
 import numpy as np
 import pytest
-from playwright.sync_api import Error
 
 HERE = Path(__file__).parent
 WATCH = (HERE / "latency.js").read_text(encoding="utf-8")
@@ -40,7 +41,15 @@ def yardsticks(tmp_path_factory):
                 command, stdout=log, stderr=subprocess.STDOUT, env={**os.environ, **environment}
             )
         processes.append(process)
-        return f"http://127.0.0.1:{port}/{Path(script).stem}"
+        url = f"http://127.0.0.1:{port}/{Path(script).stem}"
+        for _ in range(300):
+            try:
+                urllib.request.urlopen(url, timeout=30).close()
+            except OSError:
+                time.sleep(0.1)
+            else:
+                return url
+        pytest.fail(f"{script} did not start")
 
     yield start
     for process in processes:
@@ -51,13 +60,7 @@ def yardsticks(tmp_path_factory):
 def opened(new_page, url):
     page = new_page()
     page.add_init_script(WATCH)
-    for _ in range(100):
-        try:
-            page.goto(url)
-        except Error:
-            page.wait_for_timeout(200)
-        else:
-            break
+    page.goto(url)
     page.wait_for_function(IDLE)
     page.wait_for_timeout(1000)
     return page
