@@ -4,6 +4,7 @@
 # make fuzz     five hundred random sequences of everything that can be done to the page
 # make load     fifty visitors at once, two hundred who come and go, a thousand moves
 # make verify   the program against independent programs: writes docs/verification.md
+# make docs     the notebooks, run and written as HTML: docs/html/index.html
 # make image    the web demo's container image, with a check of it (docker or podman)
 # make demo     that container, running
 # make lock     the newest versions for the image, with their hashes
@@ -21,7 +22,7 @@ export VENV PYTHON PORT
 python = $(VENV)/bin/python
 
 .DEFAULT_GOAL := help
-.PHONY: help serve test bench fuzz load verify lint image demo lock clean
+.PHONY: help serve test bench fuzz load verify docs lint image demo lock clean
 
 help:
 	@sed -n 's/^# \{0,1\}//p; /^$$/q' Makefile
@@ -55,6 +56,11 @@ verify:
 	@echo "==> verification"
 	@$(python) -m verification
 
+docs:
+	@sh tools/environment.sh test
+	@echo "==> notebooks"
+	@$(python) tools/docs.py
+
 lint:
 	@sh tools/environment.sh test
 	@echo "==> ruff check"
@@ -76,4 +82,4 @@ lock:
 	@sh tools/lock.sh
 
 clean:
-	rm -rf $(VENV) build dist .mypy_cache .pytest_cache .ruff_cache .hypothesis .benchmarks test-results
+	rm -rf $(VENV) build dist docs/html .mypy_cache .pytest_cache .ruff_cache .hypothesis .benchmarks test-results

@@ -11,7 +11,7 @@ import re
 from html import escape
 
 _TOKEN = re.compile(r"\\text\{[^}]*\}|\\[a-zA-Z]+|[0-9][0-9.]*|\S")
-_RELATION = frozenset("=+-<>∓")
+_RELATION = frozenset("=+-<>∓≤≥")
 
 
 def formula(source: str) -> str:

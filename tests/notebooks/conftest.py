@@ -118,7 +118,9 @@ class Notebook:
         return "\n".join(cell.locator(".jp-OutputArea-output").all_inner_texts())
 
     def explorer(self, index=0):
-        return Widget(self.page, self.page.locator(".bk-panel-models-layout-Column.cell").nth(index))
+        return Widget(
+            self.page, self.page.locator(".bk-panel-models-layout-Column.cell").nth(index)
+        )
 
 
 class Widget:

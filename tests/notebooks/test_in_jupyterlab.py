@@ -20,8 +20,8 @@ def linear(K_y):
 def shows(widget, K_y):
     """Wait until slider, answer and diagram show the bogie of this stiffness."""
     widget.until(lambda: widget.value("Ky"), lambda value: value == pytest.approx(K_y))
-    widget.until(widget.linear, lambda V: V == pytest.approx(linear(K_y), abs=0.06))
-    widget.until(widget.hopf_point, lambda V: V == pytest.approx(linear(K_y), rel=1e-6))
+    widget.until(widget.linear, lambda value: value == pytest.approx(linear(K_y), abs=0.06))
+    widget.until(widget.hopf_point, lambda value: value == pytest.approx(linear(K_y), rel=1e-6))
 
 
 def test_the_quickstart_both_ways(lab, open_notebook):

@@ -16,9 +16,7 @@ each_notebook = pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path
 
 def cells(path, kind):
     notebook = json.loads(path.read_text(encoding="utf-8"))
-    return [
-        "".join(cell["source"]) for cell in notebook["cells"] if cell["cell_type"] == kind
-    ]
+    return ["".join(cell["source"]) for cell in notebook["cells"] if cell["cell_type"] == kind]
 
 
 def test_there_are_five():
