@@ -82,7 +82,7 @@ class Details:
             block(
                 "card portraits",
                 self.files.menu("portraits"),
-                column("curves", self.panes["portraits"], *portraits),
+                column("curves abreast", self.panes["portraits"], *portraits),
             ),
             self.motions,
             block(

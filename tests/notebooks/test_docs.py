@@ -34,6 +34,9 @@ def test_an_exported_notebook_opens_without_network(new_page, tmp_path):
     page.wait_for_timeout(1000)
     painted = [c.evaluate(COLOURS) for c in page.locator("canvas").all()]
     assert sum(colours > 20 for colours in painted) >= 4  # the diagram twice, and two more
+    portraits = page.locator(".card.portraits canvas").all()
+    lefts = {round(c.bounding_box()["x"]) for c in portraits if c.is_visible()}
+    assert len(lefts) == 3  # side by side
     assert page.locator(".formula").all_inner_texts() == ["Vlin", "Vnl", "Ky", "δ"]
     assert "$" not in page.locator("main").inner_text()
     assert page.locator("nav a").get_attribute("href") == "index.html"
