@@ -117,6 +117,18 @@ class Notebook:
         assert error.count() == 0, error.first.inner_text()
         return "\n".join(cell.locator(".jp-OutputArea-output").all_inner_texts())
 
+    def choose(self, menu, command):
+        """Choose from JupyterLab's menu, and say yes if it asks."""
+        self.page.locator(".lm-MenuBar-item").get_by_text(menu, exact=True).click()
+        self.page.locator(".lm-Menu-item").get_by_text(command, exact=True).click()
+        self.page.locator(".jp-Dialog .jp-mod-accept").click()
+
+    def errors(self):
+        """What the cells say went wrong."""
+        kinds = ("application/vnd.jupyter.error", "application/vnd.jupyter.stderr")
+        selector = ", ".join(f"[data-mime-type='{kind}']" for kind in kinds)
+        return self.page.locator(selector).all_inner_texts()
+
     def explorer(self, index=0):
         return Widget(
             self.page, self.page.locator(".bk-panel-models-layout-Column.cell").nth(index)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from hunting import RECONSTRUCTED, bogie, critical_speeds
-from tests.notebooks.conftest import code_of
+from tests.notebooks.conftest import PATIENCE, code_of
 
 pytestmark = pytest.mark.slow
 
@@ -86,3 +86,33 @@ def test_two_explorers_leave_each_other_alone(lab, open_notebook):
     shows(second, 3e5)
     assert notebook.page.url == address
     assert not [c for c in notebook.page.context.cookies() if "hunting" in c["name"]]
+
+
+def test_after_a_restart_the_cells_run_again_and_an_old_widget_is_only_dead(lab, open_notebook):
+    code = code_of("01_quickstart")
+    at = next(i for i, source in enumerate(code) if source.endswith("\nexplore"))
+    lab.write("restart", [*code[: at + 1], "explore.parameters.Ky"])
+    notebook = open_notebook("restart")
+    for index in range(at + 1):
+        notebook.run(index)
+    old = notebook.explorer().wait()
+    answered = old.linear()
+
+    prompt = notebook.cells.nth(at + 1).locator(".jp-InputPrompt")
+    notebook.choose("Kernel", "Restart Kernel…")
+    notebook.page.wait_for_timeout(1000)
+    notebook.wait_for_the_kernel()
+    old.type("Ky", "2e5")  # nobody listens
+    notebook.page.wait_for_timeout(500)
+    assert old.linear() == answered
+
+    notebook.choose("Kernel", "Restart Kernel and Run All Cells…")
+    notebook.page.wait_for_function(
+        "(node) => /\\d/.test(node.innerText)", arg=prompt.element_handle(), timeout=PATIENCE
+    )
+    widget = notebook.explorer().wait()
+    shows(widget, RECONSTRUCTED.Ky)
+    widget.type("Ky", "1.1e5")
+    shows(widget, 1.1e5)
+    assert float(notebook.run(at + 1)) == 1.1e5
+    assert notebook.errors() == []
