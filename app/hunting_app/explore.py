@@ -67,10 +67,12 @@ class Explore:
             lambda *_: self.draw(),
             ["parameters", "vehicle", "speed", "curve", "exact", "averaged", "baseline", "dark"],
         )
-        pn.state.onload(self._complete)
+        pn.state.onload(self.complete)
 
-    def _complete(self) -> None:
-        """Add the details."""
+    def complete(self) -> None:
+        """Add the details once they are seen: Bokeh stumbles over plots made out of sight."""
+        if self.details or self.state.page != "explore":
+            return
         with pn.io.hold():
             self.details = Details(
                 self.state, self.feed, self.bifurcation.cursor, self.act, self.files

@@ -111,6 +111,7 @@ class Session:
         self._turn_page()
         self._choose_scheme()
         self.state.param.watch(lambda *_: self._turn_page(), ["page"])
+        self.state.param.watch(lambda *_: self.explore.complete(), ["page"])
         self.state.param.watch(lambda *_: self._choose_scheme(), ["dark"])
 
     def act_all(self, acts: list[dict[str, Any]]) -> None:

@@ -207,7 +207,9 @@ class PolynomialDamper(_Scalar):
         real = np.sort(roots.real[(np.abs(roots.imag) <= 1e-9 * np.abs(roots)) & (roots.real > 0)])
         for low, high in pairwise([0.0, *real.tolist(), np.inf]):
             middle = (low + high) / 2 if np.isfinite(high) else 2 * low + 1.0
-            if np.polynomial.Polynomial(factors)(middle) < 0:
+            # Over v^3 beyond 1 m/s, where powers of v might overflow.
+            terms = (factors[::-1], middle) if middle <= 1 else (factors, 1 / middle)
+            if np.polyval(*terms) < 0:
                 return low, high
         return None
 

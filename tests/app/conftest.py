@@ -23,7 +23,8 @@ class Dashboard:
             self.page.add_init_script("localStorage.setItem('hunting-hints', 'seen')")
         self.page.goto(f"{self.url}{search}")
         self.page.wait_for_function(IDLE)
-        self.page.locator(".card.stability canvas").first.wait_for(state="attached")
+        if "page=" not in search:
+            self.page.locator(".card.stability canvas").first.wait_for(state="attached")
         self.page.wait_for_function(IDLE)
         return self
 

@@ -74,7 +74,7 @@ def test_no_advice_is_given_where_nothing_hunts():
 
 def test_advice_of_another_design_is_taken_away_at_once():
     session = Session("")
-    session.explore._complete() if session.explore.details is None else None
+    session.explore.complete() if session.explore.details is None else None
     assert "To raise" in session.advice.content.html
     session.act({"set": "Ky", "to": 9e4})
     assert "To raise" not in session.advice.content.html

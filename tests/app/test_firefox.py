@@ -7,6 +7,7 @@ import json
 import shutil
 import subprocess
 import time
+from concurrent.futures import ThreadPoolExecutor
 from itertools import count
 
 import pytest
@@ -32,7 +33,8 @@ class Firefox:
     """One tab of a headless Firefox."""
 
     def __init__(self, program, profile):
-        self.loop = asyncio.new_event_loop()
+        # A thread of its own: Playwright's loop may be running in this one.
+        self.loop, self.worker = asyncio.new_event_loop(), ThreadPoolExecutor(1)
         self.port = free_port()
         command = [program, "--headless", "--no-remote", "--profile", str(profile)]
         command += ["--remote-debugging-port", str(self.port), "--width", "1440", "--height", "900"]
@@ -47,7 +49,7 @@ class Firefox:
         while True:
             try:
                 url = f"ws://127.0.0.1:{self.port}/session"
-                self.socket = self.loop.run_until_complete(self._connected(url))
+                self.socket = self.run(self._connected(url))
                 break
             except OSError:
                 assert time.monotonic() < deadline, "Firefox does not listen"
@@ -55,6 +57,9 @@ class Firefox:
         self.call("session.new", capabilities={})
         self.call("session.subscribe", events=["log.entryAdded"])
         self.tab = self.call("browsingContext.getTree")["contexts"][0]["context"]
+
+    def run(self, awaitable):
+        return self.worker.submit(self.loop.run_until_complete, awaitable).result()
 
     async def _connected(self, url):
         return await websocket_connect(url, max_message_size=2**28)
@@ -68,9 +73,9 @@ class Firefox:
     def call(self, method, **params):
         number = next(self.numbers)
         message = json.dumps({"id": number, "method": method, "params": params})
-        self.loop.run_until_complete(self._write(message))
+        self.run(self._write(message))
         while True:
-            answer = json.loads(self.loop.run_until_complete(self._read()))
+            answer = json.loads(self.run(self._read()))
             if answer.get("method") == "log.entryAdded" and answer["params"]["level"] == "error":
                 self.errors.append(answer["params"]["text"])
             if answer.get("id") == number:
@@ -108,6 +113,7 @@ class Firefox:
     def close(self):
         self.process.terminate()
         self.process.wait(timeout=20)
+        self.worker.shutdown()
         self.loop.close()
 
 
