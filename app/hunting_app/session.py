@@ -111,7 +111,7 @@ class Session:
         self._turn_page()
         self._choose_scheme()
         self.state.param.watch(lambda *_: self._turn_page(), ["page"])
-        self.state.param.watch(lambda *_: self.explore.complete(), ["page"])
+        self.state.param.watch(lambda *_: self._complete(), ["page"])
         self.state.param.watch(lambda *_: self._choose_scheme(), ["dark"])
 
     def act_all(self, acts: list[dict[str, Any]]) -> None:
@@ -238,6 +238,14 @@ class Session:
         for name, page in self.pages.items():
             page.visible = name == self.state.page
             page.css_classes = ["page"] if page.visible else []  # its layout would show it again
+
+    def _complete(self) -> None:
+        """Make the rest of Explore when its page has been laid out: not in the same update."""
+        doc = pn.state.curdoc
+        if doc and doc.session_context:
+            doc.add_timeout_callback(self.explore.complete, 500)
+        else:
+            self.explore.complete()
 
     def _choose_scheme(self) -> None:
         self.root.styles = {"color-scheme": "dark" if self.state.dark else "light"}
