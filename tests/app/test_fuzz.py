@@ -136,7 +136,7 @@ def check(session):
     )
     assert (session.sidebar.preset, session.sidebar.vehicle) == (state.preset, state.vehicle)
     assert session.sidebar.units == state.units
-    assert session.toolbar.baseline == (state.baseline and state.baseline.name)
+    assert session.toolbar.baseline == (state.baseline.name if state.baseline else "")
     assert bool(session.toolbar.undo) == bool(session.history.past)
     assert session.drawer.count == len(state.designs) <= MOST
     assert [row["name"] for row in session.drawer.rows] == [d.name for d in state.designs]
