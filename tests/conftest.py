@@ -158,6 +158,10 @@ def page(new_page: NewPage) -> Page:
 # ---------------------------------------------------------------- the dashboard, served
 
 TROUBLE = re.compile(r"Traceback \(most recent call last\)|RuntimeWarning|\bE-\d{4} \(")
+LEFT = re.compile(
+    r"Task exception was never retrieved\nfuture: [^\n]*exception=WebSocketClosedError\(\)>\n"
+    r"Traceback (?:.*\n)*?tornado\.websocket\.WebSocketClosedError\n",
+)  # Panel forgets what it was still sending when a page is closed
 START_SECONDS = 90
 
 
@@ -182,7 +186,7 @@ class Server:
         """What was logged since the last call, if a traceback or the like is in it."""
         new = self.logged()[self.looked_at : self.stopped_at]
         self.looked_at += len(new)
-        return new if TROUBLE.search(new) else ""
+        return new if TROUBLE.search(LEFT.sub("", new)) else ""
 
     def wait_until_it_answers(self) -> None:
         deadline = time.monotonic() + START_SECONDS
