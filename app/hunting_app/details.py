@@ -63,15 +63,14 @@ class Details:
         ) + term(CURVES[self.state.curve], "?", classes="what")
 
     def draw_moment(self, shown: Picture, settled: bool) -> None:
-        """Draw and say what holds at the chosen speed."""
-        self.portraits.draw_moment(shown)
+        """Draw and say what holds at the chosen speed; what the branch decides, if `settled`."""
         self.stability[self.state.curve].draw_moment(shown)
         self.motions.draw_moment(shown, settled)
         self.texts["stability"].html = said(words.stability(shown))
         if settled:
-            self.texts[
-                "portraits"
-            ].html = f"<h2>{term('Phase portraits')}</h2>{said(words.portraits(shown))}"
+            self.portraits.draw_moment(shown)
+            heading = f"<h2>{term('Phase portraits')}</h2>"
+            self.texts["portraits"].html = heading + said(words.portraits(shown))
 
     def cards(self) -> list[Any]:
         """The cards, for the grid of the page."""

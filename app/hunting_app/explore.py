@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from hunting_app.plots.base import Plot
     from hunting_app.state import State
 
-PAUSE = 5  # ms for the cheap answer to leave, before the exact branch is computed
+PAUSE = 2  # ms for the cheap answer to leave, before the exact branch is computed
 
 
 class Explore:
@@ -123,7 +123,7 @@ class Explore:
         if self._drawn != wanted:
             self._draw_curves(shown, settled)
             self._drawn = wanted
-        self.bifurcation.draw_moment(shown)
+        self.bifurcation.draw_moment(shown, settled)
         if self.details:
             self.details.draw_moment(shown, settled)
         self.feed.send()

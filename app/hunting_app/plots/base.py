@@ -31,6 +31,7 @@ class Plot:
             html_attributes={"role": "img", "aria-label": described},
             x_range=Range1d(0, 1),
             y_range=Range1d(0, 1),
+            title=None,
             x_axis_label=x_label,
             y_axis_label=y_label,
             tools="pan,box_zoom,wheel_zoom,reset,save",

@@ -135,10 +135,10 @@ class Bifurcation(Plot):
             for line in self._greys[vehicle]:
                 line.visible = answers is not None
 
-    def draw_moment(self, shown: Picture) -> None:
-        """Draw the cursor and the cycles it meets."""
+    def draw_moment(self, shown: Picture, settled: bool = True) -> None:
+        """Draw the cursor, and the cycles it meets if what decides on them is `settled`."""
         self.feed.put(self.cursor, {"x": [shown.speed]})
-        for vehicle, source in self.cycles.items():
+        for vehicle, source in self.cycles.items() if settled else ():
             moment = shown.moments.get(vehicle)
             cycles = moment.cycles if moment else []
             marks = {

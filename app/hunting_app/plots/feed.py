@@ -21,12 +21,14 @@ if TYPE_CHECKING:
 
 Columns = Mapping[str, Sequence[float] | NDArray[np.float64]]
 
-_TAKE_APART = (Path(__file__).parent / "feed.js").read_text(encoding="utf-8")
-_UNCHANGED = -1.0
+_HERE = Path(__file__).parent
+_TAKE_APART = (_HERE / "feed.js").read_text(encoding="utf-8")
+_KEEP_STYLES = (_HERE / "styles.js").read_text(encoding="utf-8")
+_UNCHANGED = np.full(1, -1.0)
 
 
 class Feed:
-    """Sources of numbers, filled together.
+    """Sources of numbers, filled together; what has not changed is not sent again.
 
     `send` fills sources that are not on a page yet; of the others only the twins in the browser:
     here they keep what the page began with.
@@ -34,11 +36,13 @@ class Feed:
 
     def __init__(self) -> None:
         self.sources: list[ColumnDataSource] = []
-        self._staged: dict[str, Columns] = {}
+        self._staged: dict[str, tuple[Columns, NDArray[np.float64]]] = {}
+        self._shown: dict[str, bytes] = {}
         self._waits = False
         self._channel = ColumnDataSource({"packed": np.zeros(0)})
         self._take_apart = CustomJS(code=_TAKE_APART)
-        self._channel.js_on_change("data", self._take_apart)
+        self._keep_styles = CustomJS(code=_KEEP_STYLES)
+        self._channel.js_on_change("data", self._keep_styles, self._take_apart)
 
     def source(self, *columns: str) -> ColumnDataSource:
         """Return a new empty source with these columns."""
@@ -46,18 +50,23 @@ class Feed:
         self.sources.append(source)
         return source
 
-    def connect(self, model: Model) -> None:
-        """Let the array travel with a model of the page, once more if sources were added."""
+    def connect(self, figure: Model) -> None:
+        """Let the array travel with a figure of the page, once more if sources were added."""
         self._take_apart.args = {
             "sources": list(self.sources),
             "columns": [source.column_names for source in self.sources],
         }
-        if self._channel not in model.tags:
-            model.tags = [*model.tags, self._channel]
+        if self._channel not in figure.tags:
+            figure.tags = [*figure.tags, self._channel]
+            self._keep_styles.args = {"figure": figure}
 
     def put(self, source: ColumnDataSource, columns: Columns) -> None:
         """Give a source new columns of one length, with the next `send`."""
-        self._staged[source.id] = columns
+        values = [columns[name] for name in source.column_names]
+        packed = np.concatenate([[len(values[0])], *values], dtype=float)
+        if self._shown.get(source.id) != (new := packed.tobytes()):
+            self._shown[source.id] = new
+            self._staged[source.id] = columns, packed
 
     @contextmanager
     def one_update(self) -> Iterator[None]:
@@ -73,17 +82,14 @@ class Feed:
         """Show what was put since the last time."""
         if self._waits:
             return
-        parts: list[Sequence[float] | NDArray[np.float64]] = []
+        parts, changed = [], False
         for source in self.sources:
-            columns = self._staged.get(source.id)
-            if columns is None:
-                parts.append([_UNCHANGED])
-            elif source.document is None:
+            columns, packed = self._staged.get(source.id, (None, _UNCHANGED))
+            if columns is not None and source.document is None:
                 source.data = dict(columns)
-                parts.append([_UNCHANGED])
-            else:
-                values = [columns[name] for name in source.column_names]
-                parts += [[len(values[0])], *values]
-        if len(parts) > len(self.sources):  # something changed that a page holds already
-            self._channel.data = {"packed": np.concatenate(parts).astype(float, copy=False)}
+                packed = _UNCHANGED
+            changed |= packed is not _UNCHANGED
+            parts.append(packed)
+        if changed:
+            self._channel.data = {"packed": np.concatenate(parts)}
         self._staged.clear()
