@@ -32,7 +32,7 @@ Progress = Callable[[int, int], object]
 Answers = Mapping[str, Array]
 
 QUANTITIES = ("linear", "nonlinear", "amplitude", "frequency", "criticality", "message")
-CHUNK = 500  # cases
+CHUNK = 1000  # cases
 _IN_FLIGHT = 64  # chunks submitted and not yet answered
 
 

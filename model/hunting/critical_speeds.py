@@ -24,7 +24,7 @@ from hunting.stability import HopfPoints, hopf_points
 
 Method = Literal["harmonic_balance", "averaging"]
 _BRACKET = 64  # amplitudes that bracket a fold
-_CHUNK = 250  # systems solved for at once
+_CHUNK = 1000  # systems solved for at once: bounds memory
 
 
 @dataclass(frozen=True, repr=False)

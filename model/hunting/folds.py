@@ -12,7 +12,8 @@ from dataclasses import replace
 import numpy as np
 
 from hunting.elements import Array
-from hunting.harmonic_balance import Balance, Solution, at_amplitude, solve
+from hunting.harmonic_balance import Balance, Solution, at_amplitude, polished, solve
+from hunting.ports import orders_up_to
 
 FREE = 1 - 1e-4  # of the clearance: what does not touch yet, whatever the rounding
 CRUDE_FOLD = 3e-6  # relative change of its speed by higher harmonics that asks for more of them
@@ -59,6 +60,52 @@ def closed_in(balance: Balance, low: Solution, high: Solution, delta: Array) -> 
         going = going[tried.converged & (still > _CLOSE * tried.cycles.V)]
     best.converged[going] = False
     return best
+
+
+def found_between(
+    balance: Balance, low: Solution, high: Solution, delta: Array
+) -> tuple[Array, Array, Array]:
+    """Return the folds between pairs of cycles, and whether their harmonics do.
+
+    Parameters
+    ----------
+    balance, low, high, delta
+        As for `closed_in`.
+
+    Returns
+    -------
+    V, Y : ndarray, shape (M,)
+        Speed [m/s] and amplitude [m], corrected by higher harmonics.
+    sure : ndarray of bool, shape (M,)
+        Whether the fold was found and the correction is negligible.
+    """
+    folds = closed_in(balance, low, high, delta)
+    final = polished(balance, folds)
+    change = np.abs(final.cycles.V / folds.cycles.V - 1)
+    sure = low.converged & high.converged & final.converged & (change <= CRUDE_FOLD)
+    return final.cycles.V, final.cycles.Y, sure
+
+
+def refined(balance: Balance, low: Solution, high: Solution) -> tuple[Balance, Solution, Solution]:
+    """Return the equations with twice the harmonics, and how they solve these cycles.
+
+    Parameters
+    ----------
+    balance : Balance
+        The equations of one system, or of each of M systems.
+    low, high : Solution
+        M cycles each; those of no amplitude are Hopf points and stay what they are.
+    """
+    finer = replace(balance, orders=orders_up_to(4 * len(balance.orders) - 1))
+
+    def solved(found: Solution) -> Solution:
+        found = replace(found, cycles=found.cycles.resized(len(finer.orders)))
+        moving = np.flatnonzero(found.cycles.Y > 0)
+        guess, Y = found.cycles[moving], found.cycles.Y[moving]
+        found.put(moving, solve(finer.take(moving), guess, at_amplitude(Y), tolerance=_ROUGH))
+        return found
+
+    return finer, solved(low), solved(high)
 
 
 def _turning(low: Solution, high: Solution, delta: Array) -> Array:

@@ -30,6 +30,7 @@ _STEPS = 12
 _PATIENCE = 5  # steps that may grow
 _TRUST = 0.01  # largest correction by the higher harmonics after which another one is idle
 _CORRECTIONS = 6  # tried at most
+_AT_ONCE = 125  # cycles: the Jacobians of more do not fit the cache
 
 
 @dataclass(frozen=True)
@@ -197,6 +198,33 @@ class Balance:
     def seen(self, X: Phasor) -> Phasor:
         """Return what the ports see of the harmonics X of the states, shape (M, h, q)."""
         return X @ np.swapaxes(self.ports.C[..., :-1, :], -1, -2)
+
+    def newton_step(self, cycles: Cycles, line: Line) -> tuple[Array, Array]:
+        """Return Newton's step from `cycles`, and the unknowns' change along the branch.
+
+        Parameters
+        ----------
+        cycles : Cycles
+            M candidates.
+        line : tuple of three ndarray, shape (M,)
+            The line ``v V + a Y = s`` on which each cycle is sought, as (v, a, s).
+
+        Returns
+        -------
+        step, along : ndarray, shape (M, N)
+            The unknowns in the order of `newton_system`.
+        """
+        M, h, q = cycles.U.shape
+        out = np.empty((2, M, 2 * q * h + 5))
+        parts = np.split(np.arange(M), range(_AT_ONCE, M, _AT_ONCE))
+        for part in parts:
+            here = self.take(part) if len(parts) > 1 else self
+            r, J = here.newton_system(cycles[part], (line[0][part], line[1][part], line[2][part]))
+            right_sides = np.zeros((*r.shape, 2))
+            right_sides[..., 0] = -r
+            right_sides[:, -1, 1] = 1.0
+            out[:, part] = np.moveaxis(np.linalg.solve(J, right_sides), -1, 0)
+        return out[0], out[1]
 
     def newton_system(self, cycles: Cycles, line: Line) -> tuple[Array, Array]:
         """Return residual and Jacobian at `cycles`.
@@ -404,11 +432,7 @@ def solve(balance: Balance, guess: Cycles, line: Line, tolerance: float = _TOLER
             break
         part = cycles[going]
         on_line = (line[0][going], line[1][going], line[2][going])
-        r, J = here.newton_system(part, on_line)
-        right_sides = np.zeros((*r.shape, 2))
-        right_sides[..., 0] = -r
-        right_sides[:, -1, 1] = 1.0
-        step, along = np.moveaxis(np.linalg.solve(J, right_sides), -1, 0)
+        step, along = here.newton_step(part, on_line)
         part, size = _stepped(part, step)
         cycles.put(going, part)
         V_slope[going], Y_slope[going] = along[:, -3], along[:, -1]
@@ -449,15 +473,15 @@ def polished(balance: Balance, found: Solution, trust: float = _TRUST) -> Soluti
     size = np.full(len(found), np.inf)
     going = np.arange(len(found))
     for _ in range(_CORRECTIONS):
+        if len(going) == 0:
+            break
         part, here = cycles[going], balance.take(going)
         part = replace(part, tail=here.tail(part))
         v, a, s = found.line
-        r, J = here.newton_system(part, (v[going], a[going], s[going]))
-        part, size[going] = _stepped(part, np.linalg.solve(J, -r[..., None])[..., 0])
+        step, _ = here.newton_step(part, (v[going], a[going], s[going]))
+        part, size[going] = _stepped(part, step)
         cycles.put(going, part)
         going = going[(size[going] > trust) & (size[going] < 1) & (part.V > 0)]
-        if len(going) == 0:
-            break
     failed = ~(size < trust)
     cycles.put(failed, replace(found.cycles[failed], tail=np.zeros_like(cycles.tail[failed])))
     return replace(found, cycles=cycles, converged=found.converged & ~failed)

@@ -19,7 +19,7 @@ from hunting.branch import Branch
 from hunting.continuation import STUCK, continued
 from hunting.elements import Array
 from hunting.floquet import half_multipliers
-from hunting.folds import CRUDE_FOLD, FREE, closed_in
+from hunting.folds import CRUDE_FOLD, FREE, closed_in, found_between, refined
 from hunting.harmonic_balance import (
     Balance,
     Cycles,
@@ -158,7 +158,8 @@ def _branch(
         turned, crude = _with_turns(balance, cycles, delta)
         found, note = turned, ""
         if Y is None:
-            found, note = _to_its_end(balance, turned, averaged, delta)
+            found, note, end_crude = _to_its_end(balance, turned, averaged, delta)
+            crude |= end_crude
         else:
             found = cycles
         reached = wanted if Y is not None else wanted[wanted <= found.cycles.Y.max(initial=0.0)]
@@ -166,7 +167,10 @@ def _branch(
         lost = len(reached) - int(near.any(axis=-1).sum())
         if lost:
             note = "; ".join(filter(None, [note, f"{lost} cycles were not found"]))
-        fold = _fold(turned if Y is not None else found, averaged)
+        turned = found if Y is None else turned
+        fold = _fold(turned, averaged)
+        if fold and crude and len(harmonics) > 1 and highest == harmonics[-1]:
+            fold = _finer_fold(balance, turned, fold, delta)
         best = (balance, averaged, found, fold, note)
         if not lost and not crude and not note.startswith(STUCK):
             break
@@ -182,6 +186,17 @@ def _fold(found: Solution, averaged: Averaging) -> tuple[float, float] | None:
     if not (averaged.speed[0] > V and slowest > V):
         return None
     return float(V), float(turns.Y[np.argmin(turns.V)])
+
+
+def _finer_fold(
+    balance: Balance, found: Solution, fold: tuple[float, float], delta: float
+) -> tuple[float, float]:
+    """Return the fold with twice the harmonics, if that can be found."""
+    i = int(np.argmin(np.where(found.V_slope == 0, found.cycles.V, np.inf)))
+    sides = found[np.array([i - 1, i + 1])]
+    sides = sides[np.argsort(sides.cycles.Y)]
+    V, Y, sure = found_between(*refined(balance, sides[:1], sides[1:]), np.array([delta]))
+    return (float(V[0]), float(Y[0])) if sure[0] else fold
 
 
 def _kept(found: Solution) -> Solution:
@@ -240,22 +255,27 @@ def _with_turns(balance: Balance, found: Solution, delta: float) -> tuple[Soluti
 
 def _to_its_end(
     balance: Balance, found: Solution, averaged: Averaging, delta: float
-) -> tuple[Solution, str]:
-    """Return the branch cut at its second fold, or completed where its amplitude turns back."""
+) -> tuple[Solution, str, bool]:
+    """Return the branch cut at its second fold, or completed where its amplitude turns back.
+
+    The third answer is whether higher harmonics matter at folds that were added.
+    """
     if len(found) < 2:
-        return found, "no limit cycle was found"
+        return found, "no limit cycle was found", False
     Y, slope = found.cycles.Y, found.V_slope
     peak = (slope[1:-1] == 0) & (Y[1:-1] > delta) & (slope[:-2] > 0)
     if peak.any():
         last = int(np.argmax(peak)) + 1
-        return found[: last + 1], "the branch ends at a second fold, beyond which motions run away"
+        note = "the branch ends at a second fold, beyond which motions run away"
+        return found[: last + 1], note, False
     if Y[-1] > 0.999 * REACH * delta:
-        return found, ""
+        return found, "", False
     found, note = continued(balance, found[slope != 0], averaged, REACH * delta)
     sure = polished(balance, found)
     if not sure.converged[-1]:
         note = STUCK
-    return _with_turns(balance, _kept(sure), delta)[0], note
+    turned, crude = _with_turns(balance, _kept(sure), delta)
+    return turned, note, crude
 
 
 def _as_branch(

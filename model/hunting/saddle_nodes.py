@@ -14,8 +14,8 @@ import numpy as np
 
 from hunting.bogoliubov import REACH, Averaging
 from hunting.elements import Array
-from hunting.folds import CRUDE_FOLD, FREE, closed_in
-from hunting.harmonic_balance import Balance, Cycles, Solution, at_amplitude, polished, solve
+from hunting.folds import FREE, found_between, refined
+from hunting.harmonic_balance import Balance, Cycles, Solution, at_amplitude, solve
 from hunting.lure import LureSystem
 from hunting.ports import Ports, orders_up_to
 
@@ -96,13 +96,16 @@ def slowest_cycles(
     V[which[~rising]] = Y[which[~rising]] = np.nan
     missed[which[~sides[1].converged]] = True
 
-    which, sides = which[rising], (sides[0][rising], sides[1][rising])
-    folds = closed_in(balance.take(which), *sides, delta[which])
-    final = polished(balance.take(which), folds)
-    crude = np.abs(final.cycles.V / folds.cycles.V - 1) > CRUDE_FOLD
-    missed[which[crude | ~final.converged]] = True
-    slower = V[which] > final.cycles.V
-    V[which[slower]], Y[which[slower]] = final.cycles.V[slower], final.cycles.Y[slower]
+    which, low, high = which[rising], sides[0][rising], sides[1][rising]
+    V_fold, Y_fold, sure = found_between(balance.take(which), low, high, delta[which])
+    crude = np.flatnonzero(~sure)
+    if len(crude):  # once more with twice the harmonics
+        V_fold[crude], Y_fold[crude], sure[crude] = found_between(
+            *refined(balance.take(which[crude]), low[crude], high[crude]), delta[which[crude]]
+        )
+    missed[which[~sure]] = True
+    slower = V[which] > V_fold
+    V[which[slower]], Y[which[slower]] = V_fold[slower], Y_fold[slower]
     return Slowest(V, Y, missed)
 
 
