@@ -19,12 +19,12 @@ from nbconvert.filters.markdown_mistune import IPythonRenderer, MarkdownWithMath
 from nbformat import NotebookNode
 from pygments.formatters import HtmlFormatter
 
-from hunting_app.formula import formula
+from hunting_app.formula import STYLE, formula
 
 ROOT = Path(__file__).parents[1]
 NOTEBOOKS = ROOT / "notebooks"
 HTML = ROOT / "docs" / "html"
-CSS = Path(__file__).with_name("docs.css").read_text(encoding="utf-8")
+CSS = Path(__file__).with_name("docs.css").read_text(encoding="utf-8") + STYLE
 JAVASCRIPT = "application/javascript"
 
 

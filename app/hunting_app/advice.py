@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from concurrent.futures import Future, ThreadPoolExecutor
+from concurrent.futures import ThreadPoolExecutor
 from functools import lru_cache, partial
 from html import escape
 from typing import TYPE_CHECKING, Any
@@ -14,6 +14,7 @@ import panel as pn
 from hunting import Parameters, bogie, critical_speeds, sensitivity, wheelset
 from hunting_app.formula import with_subscripts
 from hunting_app.markup import text
+from hunting_app.pace import beside
 from hunting_app.picture import KMH
 from hunting_app.state import FIELDS, VEHICLES
 
@@ -71,15 +72,7 @@ class Advice:
         if wanted in (self._asked, self._known):
             return
         self._asked = wanted
-        doc = pn.state.curdoc
-        if not (doc and doc.session_context):
-            self._say(wanted, _all(*wanted))
-            return
-
-        def tell(found: Future[Found]) -> None:
-            doc.add_next_tick_callback(partial(self._say, wanted, found.result()))
-
-        _THREAD.submit(_all, *wanted).add_done_callback(tell)
+        beside(_THREAD, partial(_all, *wanted), partial(self._say, wanted))
 
     def _say(self, of: tuple[Any, ...], found: Found) -> None:
         if of != self._wanted():

@@ -41,12 +41,14 @@ def button(act: dict[str, Any], label: str, *, pressed: bool, why_not: str = "")
     )
 
 
-def block(classes: str, *objects: Any) -> pn.Column:
-    """A part of the page, laid out by layout.css."""
+def block(
+    classes: str, *objects: Any, style: str = LAYOUT, sizing_mode: str = "stretch_both"
+) -> pn.Column:
+    """A part of the page."""
     return pn.Column(
         *objects,
         css_classes=classes.split(),
-        stylesheets=[LAYOUT],
-        sizing_mode="stretch_both",
+        stylesheets=[style],
+        sizing_mode=sizing_mode,
         margin=0,
     )

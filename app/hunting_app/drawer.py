@@ -14,6 +14,7 @@ from panel.custom import JSComponent
 from hunting.tables import rows
 from hunting_app import files
 from hunting_app.designs import MOST, differences
+from hunting_app.pace import after
 from hunting_app.picture import KMH, critical
 from hunting_app.scripts import script
 from hunting_app.state import FIELDS, VEHICLES
@@ -96,7 +97,7 @@ class Drawer(JSComponent):
             ],
         )
         if None in speeds and self._late is None:
-            self._compute_later()
+            self._late = after(_GAP, self._compute_one)
 
     @property
     def _vehicles(self) -> tuple[str, ...]:
@@ -109,13 +110,6 @@ class Drawer(JSComponent):
     def _speeds(self) -> list[list[str] | None]:
         """V_nl and V_lin [km/h] of each vehicle for each design; None where not known yet."""
         return [self._known.get(self._key(design)) for design in self._state.designs]
-
-    def _compute_later(self) -> None:
-        doc = pn.state.curdoc
-        if doc and doc.session_context:
-            self._late = doc.add_timeout_callback(self._compute_one, _GAP)
-        else:
-            self._compute_one()
 
     def _compute_one(self) -> None:
         """Compute the first design that is not known yet."""

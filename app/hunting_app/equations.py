@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 
 class Equation(NamedTuple):
-    """A formula in the notation of mathml.py, with the paper's number."""
+    """A formula in the notation of formula.py, with the paper's number."""
 
     number: str
     name: str

@@ -13,7 +13,7 @@ from hunting_app.details import Details
 from hunting_app.exports.files import Files
 from hunting_app.glossary import explained, term
 from hunting_app.markup import Html, text
-from hunting_app.pace import send_at_once
+from hunting_app.pace import after, open_page, send_at_once
 from hunting_app.palette import palette
 from hunting_app.picture import picture
 from hunting_app.plots.bifurcation import Bifurcation
@@ -91,14 +91,13 @@ class Explore:
         state = self.state
         wanted = state.exact == "shown"
         waits = wanted and self._served() and self._exact != (state.parameters, state.vehicle)
-        doc = pn.state.curdoc
-        if waits and doc and self._late is None:
-            self._late = doc.add_timeout_callback(self._draw_exact, PAUSE)
+        if waits and self._late is None:
+            self._late = after(PAUSE, self._draw_exact)
         self._draw(wanted and not waits)
 
     def _served(self) -> bool:
         """Whether a person sees this already: then the cheap answer goes out at once."""
-        return bool(self._drawn and pn.state.curdoc and pn.state.curdoc.session_context)
+        return bool(self._drawn and open_page())
 
     def _draw_exact(self) -> None:
         self._late = None

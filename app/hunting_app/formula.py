@@ -9,7 +9,9 @@ from __future__ import annotations
 
 import re
 from html import escape
+from pathlib import Path
 
+STYLE = (Path(__file__).parent / "formula.css").read_text(encoding="utf-8")
 _TOKEN = re.compile(r"\\text\{[^}]*\}|\\[a-zA-Z]+|[0-9][0-9.]*|\S")
 _RELATION = frozenset("=+-<>∓≤≥")
 

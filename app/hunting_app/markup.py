@@ -10,13 +10,15 @@ from bokeh.models import Pane
 from bokeh.models.dom import HTML
 from panel.custom import JSComponent
 
+from hunting_app import formula
+
 if TYPE_CHECKING:
     from collections.abc import Callable
 
 _HERE = Path(__file__).parent
 
 
-STYLE = (_HERE / "markup.css").read_text(encoding="utf-8")
+STYLE = (_HERE / "markup.css").read_text(encoding="utf-8") + formula.STYLE
 
 
 def text(*classes: str) -> tuple[HTML, Pane]:

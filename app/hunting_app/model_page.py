@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from html import escape
 
-from hunting import RECONSTRUCTED, TABLE_1, Parameters
+from hunting import RECONSTRUCTED, TABLE_1
 from hunting_app.equations import (
     METHOD,
     MISPRINTS,
@@ -14,9 +14,14 @@ from hunting_app.equations import (
     Equation,
 )
 from hunting_app.formula import formula, with_subscripts
-from hunting_app.numerals import written
+from hunting_app.parameter_table import parameter_table
 from hunting_app.picture import KMH, picture
 
+_PRESETS = parameter_table(
+    {"Table 1 as printed": TABLE_1, "Reconstructed": RECONSTRUCTED},
+    "how it was reconstructed",
+    RECONSTRUCTION,
+)
 _PAPER = {"V_lin": (155.0, 151.0), "V_nl": (144.0, 140.0)}  # Fig. 3: wheelset, bogie [km/h]
 
 
@@ -45,7 +50,7 @@ speed.</p>
 vehicle has a Hopf point below 900 km/h, while Fig. 3 shows 155 and 151 km/h. The reconstruction is
 ours, not the paper's, and it is not unique: other sets come as near. Its damper force is negative
 for 0.021 m/s < |b ψ′| < 0.41 m/s, which the paper's own bifurcation diagram needs.</p>
-{_presets()}</section>
+{_PRESETS}</section>
 <section><h2>Sources</h2><ul>{"".join(f"<li>{escape(source)}</li>" for source in SOURCES)}</ul>
 </section></article>"""
 
@@ -97,24 +102,4 @@ def _misprints() -> str:
         "<table><thead><tr><th scope='col'>#</th><th scope='col'>printed</th>"
         "<th scope='col'>why it cannot be meant</th><th scope='col'>used here</th></tr></thead>"
         f"<tbody>{rows}</tbody></table>"
-    )
-
-
-def _presets() -> str:
-    rows = []
-    for field in Parameters.fields():
-        printed, ours = (float(getattr(p, field.name)) for p in (TABLE_1, RECONSTRUCTED))
-        symbol, _, subscript = field.symbol.partition("_")
-        mark = " class='changed'" if printed != ours else ""
-        rows.append(
-            f"<tr{mark}><th scope='row'><i>{symbol}</i><sub>{subscript}</sub></th>"
-            f"<td>{escape(field.label)}</td><td class='number'>{written(printed)}</td>"
-            f"<td class='number'>{written(ours)}</td><td>{escape(field.unit)}</td>"
-            f"<td>{with_subscripts(RECONSTRUCTION.get(field.name, ''))}</td></tr>"
-        )
-    return (
-        "<table><thead><tr><th scope='col'>symbol</th><th scope='col'>parameter</th>"
-        "<th scope='col'>Table 1 as printed</th><th scope='col'>Reconstructed</th>"
-        "<th scope='col'>unit</th><th scope='col'>how it was reconstructed</th></tr></thead>"
-        f"<tbody>{''.join(rows)}</tbody></table>"
     )

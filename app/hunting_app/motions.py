@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from concurrent.futures import Future, ThreadPoolExecutor
+from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
@@ -13,6 +13,7 @@ from hunting_app.blocks import block, button, column, said
 from hunting_app.disturbance import Disturbed, disturbed
 from hunting_app.markup import Html, text
 from hunting_app.numerals import written
+from hunting_app.pace import beside
 from hunting_app.picture import picture
 from hunting_app.plan import Plan
 from hunting_app.plots.history import History, Motion
@@ -105,18 +106,11 @@ class Motions:
 
     def _judge(self, motion: Disturbed) -> None:
         """Find out how it ends; in the background if there is a page to be told."""
-        doc = pn.state.curdoc
-        if not (doc and doc.session_context):
-            self.text.html = verdicts.motion(motion, motion.decay())
-            return
 
         def judge() -> Decay | None:
             return motion.decay() if motion is self.motion else None
 
-        def tell(found: Future[Decay | None]) -> None:
-            doc.add_next_tick_callback(partial(self._say, motion, found.result()))
-
-        _JUDGES.submit(judge).add_done_callback(tell)
+        beside(_JUDGES, judge, partial(self._say, motion))
 
     def _say(self, motion: Disturbed, decay: Decay | None) -> None:
         if motion is self.motion:

@@ -7,12 +7,14 @@ from typing import Any
 
 import panel as pn
 
+from hunting_app.pace import open_page
+
 _loaded_by: list[tuple[Any, ...]] = []  # the cell that holds the JavaScript, and its run
 
 
 def kernel() -> Any:
     """Return the notebook's shell; None in a server, a script or a terminal."""
-    if pn.state.curdoc and pn.state.curdoc.session_context:
+    if open_page():
         return None
     ipython = sys.modules.get("IPython")
     shell = ipython.get_ipython() if ipython else None

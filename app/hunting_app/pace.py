@@ -2,13 +2,47 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from functools import partial
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import panel as pn
 from panel.io.resources import LOCAL_DIST
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+    from concurrent.futures import Executor, Future
+
     from bokeh.document import Document
+
+T = TypeVar("T")
+
+
+def open_page() -> Document | None:
+    """Return the page that somebody has open; None in a notebook, a script or a test."""
+    doc: Document | None = pn.state.curdoc
+    return doc if doc and doc.session_context else None
+
+
+def after(milliseconds: int, work: Callable[[], None]) -> Any:
+    """Do something when the page has had that time, and return a handle; at once without a page."""
+    doc = open_page()
+    return doc.add_timeout_callback(work, milliseconds) if doc else work()
+
+
+def beside(executor: Executor, work: Callable[[], T], then: Callable[[T], None]) -> None:
+    """Do work that would stop the page in a thread, `then` something with the result on the page.
+
+    Without a page both are done at once.
+    """
+    doc = open_page()
+    if doc is None:
+        then(work())
+        return
+
+    def tell(done: Future[T]) -> None:
+        doc.add_next_tick_callback(partial(then, done.result()))
+
+    executor.submit(work).add_done_callback(tell)
 
 
 def send_at_once() -> None:
@@ -18,8 +52,8 @@ def send_at_once() -> None:
     until the browser has acknowledged the first, up to 40 ms. Bokeh has no setting for it; the
     way to the sockets is the one Panel takes. In a notebook there are none.
     """
-    context = pn.state.curdoc.session_context if pn.state.curdoc else None
-    session = getattr(context, "session", None)
+    doc = open_page()
+    session = getattr(doc.session_context, "session", None) if doc else None
     for connection in getattr(session, "_subscribed_connections", ()):
         connection._socket.set_nodelay(True)
 

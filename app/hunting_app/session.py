@@ -17,7 +17,7 @@ from hunting_app.hints import Hints
 from hunting_app.history import History
 from hunting_app.markup import Html
 from hunting_app.model_page import model_page
-from hunting_app.pace import send_at_once, style_from_this_server
+from hunting_app.pace import after, open_page, send_at_once, style_from_this_server
 from hunting_app.picture import picture
 from hunting_app.sidebar import Sidebar
 from hunting_app.state import (
@@ -39,6 +39,8 @@ _SLOW = {
     *("undo", "redo", "design", "values", "file"),
 }  # acts after which motions are simulated: too slow for a moving hand
 
+_LAID_OUT = 500  # ms; a page has its layout by then
+
 
 def dashboard(search: str | None = None) -> pn.viewable.Viewable:
     """Return the dashboard, to be served or to be shown in a notebook cell.
@@ -49,8 +51,7 @@ def dashboard(search: str | None = None) -> pn.viewable.Viewable:
         A query string to start from, such as ``"?Ky=1e5&vehicle=both"``; by default the one in
         the address bar, if there is one.
     """
-    doc = pn.state.curdoc
-    if doc is not None and doc.session_context is not None:
+    if doc := open_page():
         pn.extension()
         style_from_this_server(doc)
     notebook.load()
@@ -108,10 +109,9 @@ class Session:
             *self.pages.values(),
             *([Hints()] if served else []),
         )
-        self._turn_page()
+        self._show_page()
         self._choose_scheme()
         self.state.param.watch(lambda *_: self._turn_page(), ["page"])
-        self.state.param.watch(lambda *_: self._complete(), ["page"])
         self.state.param.watch(lambda *_: self._choose_scheme(), ["dark"])
 
     def act_all(self, acts: list[dict[str, Any]]) -> None:
@@ -229,6 +229,10 @@ class Session:
         self.drawer.present()
 
     def _turn_page(self) -> None:
+        self._show_page()
+        after(_LAID_OUT, self.explore.complete)  # not in the same update
+
+    def _show_page(self) -> None:
         if self.state.page == "model" and not len(self.pages["model"]):
             self.pages["model"].append(Html(html=model_page(), css_classes=["whole"], scrolls=True))
         if self.state.page == "study" and not len(self.pages["study"]):
@@ -238,14 +242,6 @@ class Session:
         for name, page in self.pages.items():
             page.visible = name == self.state.page
             page.css_classes = ["page"] if page.visible else []  # its layout would show it again
-
-    def _complete(self) -> None:
-        """Make the rest of Explore when its page has been laid out: not in the same update."""
-        doc = pn.state.curdoc
-        if doc and doc.session_context:
-            doc.add_timeout_callback(self.explore.complete, 500)
-        else:
-            self.explore.complete()
 
     def _choose_scheme(self) -> None:
         self.root.styles = {"color-scheme": "dark" if self.state.dark else "light"}

@@ -13,7 +13,7 @@ from hunting_app.study.bars import Sensitivities
 from hunting_app.study.figures import Figures
 from hunting_app.study.limits import Limits
 from hunting_app.study.map import Map
-from hunting_app.study.section import Section, block, markup, warning
+from hunting_app.study.section import Section, markup, part, warning
 from hunting_app.study.target import Target
 
 if TYPE_CHECKING:
@@ -32,7 +32,7 @@ class StudyPage:
         self.chosen = SECTIONS[0].key
         self.navigation = markup(self._clicked)
         self.design = markup()
-        self.places = {key: block("place") for key in self.kinds}
+        self.places = {key: part("place") for key in self.kinds}
         self.show()
         state.param.watch(lambda *_: self.show(), ["parameters", "vehicle", "page"])
         state.param.watch(lambda *_: self._redraw(), ["dark"])
@@ -78,7 +78,7 @@ class StudyPage:
 
     def __panel__(self) -> pn.viewable.Viewable:
         """Design and sections on top."""
-        return block("study", self.design, self.navigation, *self.places.values())
+        return part("study", self.design, self.navigation, *self.places.values())
 
 
 def _design(state: State) -> str:

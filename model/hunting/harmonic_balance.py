@@ -471,17 +471,19 @@ def polished(balance: Balance, found: Solution, trust: float = _TRUST) -> Soluti
     cycles = replace(found.cycles, tail=np.zeros((len(found), h, n), dtype=complex))
     cycles = cycles[np.arange(len(found))]  # a copy, to be written to
     size = np.full(len(found), np.inf)
-    going = np.arange(len(found))
+    going, here = np.arange(len(found)), balance
     for _ in range(_CORRECTIONS):
         if len(going) == 0:
             break
-        part, here = cycles[going], balance.take(going)
+        part = cycles[going]
         part = replace(part, tail=here.tail(part))
         v, a, s = found.line
         step, _ = here.newton_step(part, (v[going], a[going], s[going]))
         part, size[going] = _stepped(part, step)
         cycles.put(going, part)
-        going = going[(size[going] > trust) & (size[going] < 1) & (part.V > 0)]
+        still = np.flatnonzero((size[going] > trust) & (size[going] < 1) & (part.V > 0))
+        if len(still) < len(going):
+            going, here = going[still], here.take(still)
     failed = ~(size < trust)
     cycles.put(failed, replace(found.cycles[failed], tail=np.zeros_like(cycles.tail[failed])))
     return replace(found, cycles=cycles, converged=found.converged & ~failed)

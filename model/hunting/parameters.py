@@ -477,6 +477,12 @@ class Parameters:
         return cls.from_dict(values)
 
 
+def check_one_design(parameters: Parameters) -> None:
+    """Raise ValueError unless the parameters are plain numbers."""
+    if parameters.shape:
+        raise ValueError(f"parameters must be numbers, got arrays of shape {parameters.shape}")
+
+
 def _check_names(values: Mapping[str, object]) -> None:
     known = {f.name for f in Parameters.fields()}
     unknown = [str(name) for name in values if name not in known]

@@ -29,7 +29,7 @@ from hunting.elements import Array
 from hunting.harmonic_balance import Balance, Cycles, at_amplitude, solve
 from hunting.limit_cycles import limit_cycles
 from hunting.lure import LureSystem
-from hunting.parameters import Parameters
+from hunting.parameters import Parameters, check_one_design
 from hunting.ports import Ports
 from hunting.stability import hopf_points
 
@@ -99,8 +99,7 @@ def sensitivity(vehicle: Vehicle, parameters: Parameters) -> Sensitivity:
     >>> round(linear, 3), round(nonlinear, 3)
     (0.0, -0.084)
     """
-    if parameters.shape:
-        raise ValueError(f"parameters must be numbers, got arrays of shape {parameters.shape}")
+    check_one_design(parameters)
     names = tuple(f.name for f in Parameters.fields())
     system = vehicle(parameters)
     points = hopf_points(system)

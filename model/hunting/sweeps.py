@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike
 from hunting.cases import QUANTITIES, Cases, Progress, Vehicle, name_of, solve_cases
 from hunting.critical_speeds import Method
 from hunting.elements import Array
-from hunting.parameters import Parameters
+from hunting.parameters import Parameters, check_one_design
 from hunting.tables import speeds_table
 
 
@@ -168,8 +168,7 @@ def sweeps(
     list of Sweep
         One for each grid.
     """
-    if parameters.shape:
-        raise ValueError(f"parameters must be numbers, got arrays of shape {parameters.shape}")
+    check_one_design(parameters)
     if not grids:
         return []
     checked = [checked_axes(axes) for axes in grids]

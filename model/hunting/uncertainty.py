@@ -21,7 +21,7 @@ from scipy.stats import binomtest, qmc, sobol_indices, uniform
 from hunting.cases import QUANTITIES, Answers, Cases, Progress, Vehicle, name_of, solve_cases
 from hunting.critical_speeds import Method
 from hunting.elements import Array
-from hunting.parameters import Field, Parameters
+from hunting.parameters import Field, Parameters, check_one_design
 from hunting.tables import speeds_table
 
 _SPEEDS = ("linear", "nonlinear")
@@ -212,8 +212,7 @@ def uncertainty(
     >>> known.indices["nonlinear"].names[most]
     'lam'
     """
-    if parameters.shape:
-        raise ValueError(f"parameters must be numbers, got arrays of shape {parameters.shape}")
+    check_one_design(parameters)
     if samples < 2:
         raise ValueError(f"samples must be 2 or more, got {samples!r}")
     distributions = _distributions(parameters, spreads)

@@ -17,14 +17,14 @@ from hunting_app import link, words
 from hunting_app.blocks import LAYOUT, said
 from hunting_app.equations import SOURCES
 from hunting_app.markup import STYLE
-from hunting_app.numerals import written
 from hunting_app.palette import LIGHT
+from hunting_app.parameter_table import parameter_table
 from hunting_app.plots.bifurcation import Bifurcation
 from hunting_app.plots.feed import Feed
 from hunting_app.plots.history import History, Motion
 from hunting_app.plots.portraits import Portraits
 from hunting_app.plots.stability import Damping, Locus
-from hunting_app.state import FIELDS, PRESETS, VEHICLES
+from hunting_app.state import PRESETS, VEHICLES
 
 if TYPE_CHECKING:
     from hunting_app.disturbance import Disturbed
@@ -64,6 +64,7 @@ def report(state: State, shown: Picture, motion: Disturbed | None, verdict: str)
     warnings = "".join(
         f'<p class="warning">{escape(w)}</p>' for w in words.warnings(shown).values()
     )
+    table = parameter_table({"value": state.parameters, PRESETS[state.preset].label: state.base()})
     return f"""<!DOCTYPE html>
 <html lang="en">
 <head>
@@ -85,7 +86,7 @@ Made on {date.today():%d %B %Y} with bogie-hunting {version("bogie-hunting")}.</
 {moved}
 <section><h2>Stability of the centred motion</h2>{said(words.stability(shown))}
 <div class="row">{drawn["damping"]}{drawn["locus"]}</div></section>
-<section><h2>Parameters</h2>{_parameters(state)}</section>
+<section><h2>Parameters</h2>{table}</section>
 <section><h2>Method</h2>{_method(state, shown)}</section>
 </main>{script}</body>
 </html>
@@ -126,25 +127,6 @@ def _plots(state: State, shown: Picture, motion: Disturbed | None) -> dict[str, 
         plot.draw_moment(shown)
     feed.send()
     return plots
-
-
-def _parameters(state: State) -> str:
-    base = state.base()
-    rows = []
-    for field in FIELDS.values():
-        value, usual = (float(getattr(p, field.name)) for p in (state.parameters, base))
-        symbol, _, subscript = field.symbol.partition("_")
-        mark = ' class="changed"' if value != usual else ""
-        rows.append(
-            f"<tr{mark}><th scope='row'><i>{symbol}</i><sub>{subscript}</sub></th>"
-            f"<td>{escape(field.label)}</td><td class='number'>{written(value)}</td>"
-            f"<td class='number'>{written(usual)}</td><td>{escape(field.unit)}</td></tr>"
-        )
-    return (
-        "<table><thead><tr><th scope='col'>symbol</th><th scope='col'>parameter</th>"
-        f"<th scope='col'>value</th><th scope='col'>{PRESETS[state.preset].label}</th>"
-        f"<th scope='col'>unit</th></tr></thead><tbody>{''.join(rows)}</tbody></table>"
-    )
 
 
 def _method(state: State, shown: Picture) -> str:

@@ -17,7 +17,7 @@ from hunting_app.palette import Palette
 from hunting_app.picture import KMH
 from hunting_app.state import FIELDS
 from hunting_app.study.dress import dressed, shown
-from hunting_app.study.section import Section, block, warning
+from hunting_app.study.section import Section, part, warning
 
 MORE = 10.0  # percent
 
@@ -51,7 +51,7 @@ class Sensitivities(Section):
             self.said.html, self.body[:] = warning(f"No critical speed: {found.message}."), []
             return
         chart = sensitivity_bars(found, self.colours)
-        self.body[:] = [block("plot", shown(chart, height_of(chart)))]
+        self.body[:] = [part("plot", shown(chart, height_of(chart)))]
         self.said.html = (
             f"<p>At the present design V<sub>lin</sub> = {KMH * found.V_linear:.1f} km/h and "
             f"V<sub>nl</sub> = {KMH * found.V_nonlinear:.1f} km/h.</p>"

@@ -15,7 +15,7 @@ from hunting.cases import Progress
 from hunting_app.palette import Palette
 from hunting_app.picture import KMH
 from hunting_app.study.dress import dressed, named, ramp, shown
-from hunting_app.study.section import Section, block, download, markup
+from hunting_app.study.section import Section, download, markup, part
 
 NUMBERS = tuple(range(4, 15))
 _HEIGHT = 370
@@ -45,7 +45,7 @@ class Figures(Section):
         super().__init__(*arguments)
         self.fresh: dict[int, Figure] = {}  # in the order in which they came
         self.cards = {number: _Card(number, self) for number in NUMBERS}
-        self.body.append(block("gallery", *self.cards.values()))
+        self.body.append(part("gallery", *self.cards.values()))
 
     def opened(self) -> None:
         """Compute at once what is not there."""
@@ -128,8 +128,8 @@ class _Card:
         self.figure: Figure | None = None
         self._drawn: tuple[Figure, bool] | None = None
         self.title, self.verdict = markup(), markup()
-        self.plot = block("plot")
-        self.download = block("download")
+        self.plot = part("plot")
+        self.download = part("download")
         self.title.html = f"<h2>Fig. {number}</h2>"
 
     def draw(self, one: Figure) -> None:
@@ -154,7 +154,7 @@ class _Card:
 
     def __panel__(self) -> pn.viewable.Viewable:
         """Title, plot, words."""
-        return block("family", self.title, self.plot, self.verdict, self.download)
+        return part("family", self.title, self.plot, self.verdict, self.download)
 
 
 def family(one: Figure, colours: Palette) -> hv.Overlay:

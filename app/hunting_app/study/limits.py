@@ -17,7 +17,7 @@ from hunting_app.state import FIELDS
 from hunting_app.study.bars import bars, height_of
 from hunting_app.study.choices import METHODS, number, select, ticks
 from hunting_app.study.dress import dressed, shown
-from hunting_app.study.section import Section, block
+from hunting_app.study.section import Section, part
 
 _SAMPLES = {f"{n:,}": n for n in (1_000, 10_000, 100_000)}
 _KNOWN_BADLY = ["lam", "Ky", "Cy", "Kpsi", "f11", "f33", "C1", "C2", "delta"]
@@ -72,11 +72,11 @@ class Limits(Section):
         found, speed = self.result, self.operating.value or 0.0
         self.said.html = _words(found, speed)
         indices = found.indices["nonlinear"]
-        plots = [block("plot", shown(histogram(found, speed, self.colours), _HEIGHT))]
+        plots = [part("plot", shown(histogram(found, speed, self.colours), _HEIGHT))]
         if np.isfinite(indices.total).any():
             chart = index_bars(indices, self.colours)
-            plots.append(block("plot", shown(chart, height_of(chart))))
-        self.body[:] = [block("two", *plots)]
+            plots.append(part("plot", shown(chart, height_of(chart))))
+        self.body[:] = [part("two", *plots)]
 
     def csv(self) -> str:
         """Return all samples."""
@@ -112,7 +112,7 @@ def histogram(found: Any, speed: float, colours: Any) -> hv.Overlay:
         parts.append(bars_.opts(fill_color=colour, fill_alpha=0.55, line_width=0, tools=["hover"]))
     line = hv.Curve([(speed, 0), (speed, 1e3)], "V", "share", label="operating speed")
     parts.append(line.opts(color=colours.ink, line_width=2.5))
-    most = max(float(np.nanmax(part.dimension_values(1))) for part in parts[:-1])
+    most = max(float(np.nanmax(one.dimension_values(1))) for one in parts[:-1])
     low, high = np.fmin(edges[0], speed), np.fmax(edges[-1], speed)
     margin = 0.03 * (high - low)
     return hv.Overlay(parts).opts(

@@ -20,7 +20,7 @@ from hunting_app.picture import KMH
 from hunting_app.state import FIELDS
 from hunting_app.study.choices import METHODS, PARAMETERS, select
 from hunting_app.study.dress import dressed, named, shown
-from hunting_app.study.section import Section, block
+from hunting_app.study.section import Section, part
 
 QUANTITIES = {"V_nl, nonlinear": "nonlinear", "V_lin, linear": "linear", "band between": "band"}
 _TITLES = {
@@ -80,7 +80,7 @@ class Map(Section):
         picture, mesh = speed_map(found, self.quantity.value, self.colours)
         self.tap = hv.streams.Tap(source=mesh, x=None, y=None)
         self.tap.add_subscriber(self._take)
-        self.body[:] = [block("plot", shown(picture, _HEIGHT))]
+        self.body[:] = [part("plot", shown(picture, _HEIGHT))]
         low, high = (f(values) if np.isfinite(values).any() else np.nan for f in _ENDS)
         self.said.html = (
             f"<p>From {low:.1f} to {high:.1f} km/h, by {_METHOD_WORDS[found.method]}.</p>"

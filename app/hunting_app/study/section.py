@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import logging
 from concurrent.futures import Executor
+from functools import partial
 from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -13,6 +14,7 @@ import panel as pn
 
 from hunting import Parameters, bogie, wheelset
 from hunting.cases import Progress, Vehicle
+from hunting_app import blocks
 from hunting_app.markup import Html
 from hunting_app.palette import Palette, palette
 from hunting_app.state import VEHICLES, State
@@ -22,6 +24,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
 STYLE = (Path(__file__).parent / "study.css").read_text(encoding="utf-8")
+part = partial(blocks.block, style=STYLE, sizing_mode="stretch_width")  # of the Study page
 _MODELS: dict[str, Vehicle] = {"bogie": bogie, "wheelset": wheelset}
 _LOG = logging.getLogger(__name__)
 
@@ -51,9 +54,9 @@ class Section:
         self.vehicle = VEHICLES[state.vehicle][0]
         self.buttons = markup(self._clicked)
         self.progress, self.said = markup(), markup(self._clicked)
-        self.controls = block("controls")
-        self.body = block("body")
-        self.download = block("download")
+        self.controls = part("controls")
+        self.body = part("body")
+        self.download = part("download")
         self._show_buttons()
 
     # ---- what a subclass gives
@@ -167,20 +170,9 @@ class Section:
 
     def __panel__(self) -> pn.viewable.Viewable:
         """Explanation and controls on top, the figure below."""
-        bar = block("bar", self.buttons, self.progress, self.download)
+        bar = part("bar", self.buttons, self.progress, self.download)
         intro = markup(html=f"<h2>{self.label}</h2><p>{self.explained}</p>")
-        return block("section", intro, self.controls, bar, self.said, self.body)
-
-
-def block(classes: str, *objects: Any) -> pn.Column:
-    """A part of the page, laid out by study.css."""
-    return pn.Column(
-        *objects,
-        css_classes=classes.split(),
-        stylesheets=[STYLE],
-        sizing_mode="stretch_width",
-        margin=0,
-    )
+        return part("section", intro, self.controls, bar, self.said, self.body)
 
 
 def download(csv: Callable[[], str], filename: str, label: str = "CSV") -> pn.widgets.FileDownload:

@@ -19,7 +19,7 @@ from hunting_app.state import FIELDS
 from hunting_app.study.bars import bars, height_of
 from hunting_app.study.choices import number, ticks
 from hunting_app.study.dress import shown
-from hunting_app.study.section import Section, block
+from hunting_app.study.section import Section, part
 
 
 class Target(Section):
@@ -63,7 +63,7 @@ class Target(Section):
         found = self.result
         order = _by_size(found)
         chart = change_bars(found, self.colours)
-        self.body[:] = [block("plot", shown(chart, height_of(chart)))]
+        self.body[:] = [part("plot", shown(chart, height_of(chart)))]
         V, wanted = KMH * found.V_nonlinear, KMH * found.target
         verdict = (
             f"<b>{wanted:.1f} km/h is reached</b>"
