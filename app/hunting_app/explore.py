@@ -59,7 +59,7 @@ class Explore:
                 "card diagram",
                 self.files.menu("bifurcation"),
                 self.branches,
-                column("curves", self.panes["bifurcation"], self.bifurcation.figure),
+                column("curves tall", self.panes["bifurcation"], self.bifurcation.figure),
             ),
         )
         self.draw()

@@ -99,7 +99,7 @@ class Session:
         self.show()
         self.explore = Explore(self.state, self.act, self.advice)
         self.pages = {
-            "explore": block("page", self.sidebar, self.explore),
+            "explore": block("page", self.sidebar, self.explore, *([Hints()] if served else [])),
             "study": block("page"),
             "model": block("page"),
         }
@@ -107,7 +107,6 @@ class Session:
             "root",
             block("top", self.header, self.toolbar, self.drawer),
             *self.pages.values(),
-            *([Hints()] if served else []),
         )
         self._show_page()
         self._choose_scheme()

@@ -37,7 +37,7 @@ class Plot:
             tools="pan,box_zoom,wheel_zoom,reset,save",
             active_scroll=None,
             sizing_mode="stretch_both",
-            min_height=120,
+            min_height=170,
             min_border_right=12,
         )
         self.figure.toolbar.autohide = True

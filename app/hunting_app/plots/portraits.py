@@ -54,7 +54,7 @@ class Portraits:
         plot = Plot(
             f"{c.label} [{c.unit}]", c.rate, f"portrait-{c.symbol}", f"Phase portrait, {c.label}"
         )
-        plot.figure.min_height = 70  # so that three fit beside two rows of answers
+        plot.figure.min_height = 105  # of which a third are labels
         if c.symbol == "y":
             plot.add(
                 "vspan", self.clearance, {"line_color": "clearance"}, x="x", line_dash="dotted",
