@@ -23,7 +23,7 @@ Proxy = Callable[..., str]
 
 
 @pytest.mark.parametrize(("prefix", "path"), [("/hunting", "/hunting/"), ("", "/demo/"), ("", "/")])
-def test_page_websocket_and_link_work_behind_a_prefix(
+def test_page_websocket_link_and_downloads_work_behind_a_prefix(
     prefix: str, path: str, demo: Start, proxy: Proxy, new_page: NewPage
 ) -> None:
     served = demo(PREFIX=prefix)
@@ -36,3 +36,8 @@ def test_page_websocket_and_link_work_behind_a_prefix(
     again = opened(new_page(), link)
     assert again.locator("input[type=text][data-name=Ky]").input_value() == f"{int(Ky):,}"
     assert again.locator("input[value=both]").is_checked()
+    for kind, begins in (("csv", "# "), ("report", "<!DOCTYPE html>")):
+        again.get_by_label("download the bifurcation diagram", exact=True).press("Enter")
+        with again.expect_download() as download:
+            again.locator(f"details[open] [data-kind={kind}]").press("Enter")
+        assert download.value.path().read_text(encoding="utf-8").startswith(begins)
