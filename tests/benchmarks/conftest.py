@@ -9,6 +9,7 @@ for variable in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
 
 import pytest  # noqa: E402
 
+collect_ignore = ["bare_bokeh.py", "bare_panel.py"]  # served, not tested
 FINDINGS = pytest.StashKey[list[str]]()
 
 
