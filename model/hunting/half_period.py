@@ -148,9 +148,11 @@ def odd_powers(z: Phasor, count: int) -> Phasor:
     """Return z, z^3, z^5, ... of z of shape (M, times): shape (M, count, times)."""
     powers = np.empty((len(z), count, z.shape[-1]), dtype=complex)
     powers[:, 0] = z
-    square = z * z
-    for m in range(1, count):
-        np.multiply(powers[:, m - 1], square, out=powers[:, m])
+    known, step = 1, (z * z)[:, None]
+    while known < count:
+        more = min(known, count - known)
+        np.multiply(powers[:, :more], step, out=powers[:, known : known + more])
+        known, step = known + more, step * step
     return powers
 
 

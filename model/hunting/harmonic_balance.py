@@ -32,6 +32,10 @@ _TRUST = 0.01  # largest correction by the higher harmonics after which another 
 _CORRECTIONS = 6  # tried at most
 _AT_ONCE = 125  # cycles: the Jacobians of more do not fit the cache
 
+# Freed at once: glibc's malloc then keeps twice as much for the next arrays, where it would give
+# pages back after each Newton step and take new ones before the next, a tenth of a branch's time.
+np.empty(31 << 20, dtype=np.uint8)
+
 
 @dataclass(frozen=True)
 class Cycles:
@@ -216,9 +220,9 @@ class Balance:
         """
         M, h, q = cycles.U.shape
         out = np.empty((2, M, 2 * q * h + 5))
-        parts = np.split(np.arange(M), range(_AT_ONCE, M, _AT_ONCE))
-        for part in parts:
-            here = self.take(part) if len(parts) > 1 else self
+        for first in range(0, M, _AT_ONCE):
+            part = slice(first, first + _AT_ONCE)
+            here = self.take(np.arange(M)[part]) if M > _AT_ONCE else self
             r, J = here.newton_system(cycles[part], (line[0][part], line[1][part], line[2][part]))
             right_sides = np.zeros((*r.shape, 2))
             right_sides[..., 0] = -r
