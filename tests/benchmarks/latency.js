@@ -89,3 +89,20 @@ window.drag = (name, from, to, events = 120, gap = 1000 / 60, quiet = 250) => ne
   };
   send();
 });
+
+/** Wait for the next press of the pointer; resolve with the ms until its motion is painted. */
+window.timedClick = () => new Promise((resolve) => {
+  const models = [...Bokeh.documents[0]._all_models.values()];
+  const motion = models.find((model) => model.name === "motion-motion");
+  let start = null;
+  let arrived = null;
+  window.addEventListener("pointerdown", () => { start = performance.now(); }, { once: true });
+  motion.properties.data.change.connect(() => {
+    if (start !== null && motion.data.t.length) arrived = performance.now();
+  });
+  const look = () => {
+    if (arrived !== null && painted.last > arrived) resolve(painted.last - start);
+    else requestAnimationFrame(look);
+  };
+  requestAnimationFrame(look);
+});

@@ -125,6 +125,21 @@ def test_the_final_picture_follows_a_long_drag_within_300_ms(served, new_page, r
     assert np.median(tails) <= 300
 
 
+@pytest.mark.parametrize(("kmh", "share"), [(0.725, 0.6), (0.74, 0.3), (0.85, 0.5)])
+def test_the_motion_of_a_click_is_on_screen_within_half_a_second(
+    served, new_page, report, kmh, share
+):
+    """Clicked at a share of the diagram's width and height: safe, conditional, hunting."""
+    page = opened(new_page, served.url)
+    page.wait_for_timeout(1500)
+    box = page.get_by_role("img", name="Bifurcation diagram").bounding_box()
+    waiting = page.evaluate_handle("() => ({ done: timedClick() })")
+    page.mouse.click(box["x"] + kmh * box["width"], box["y"] + share * box["height"])
+    took = waiting.evaluate("(waiting) => waiting.done")
+    report(f"a click's motion is on screen after {took:.0f} ms (at most 500)")
+    assert took <= 500
+
+
 FIRST_PAINT = """() => {
   const useful = "dd, .noUi-handle";
   const seen = (root) => [...root.querySelectorAll("*")].some((node) =>
