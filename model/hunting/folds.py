@@ -64,7 +64,7 @@ def closed_in(balance: Balance, low: Solution, high: Solution, delta: Array) -> 
 
 def found_between(
     balance: Balance, low: Solution, high: Solution, delta: Array
-) -> tuple[Array, Array, Array]:
+) -> tuple[Solution, Array]:
     """Return the folds between pairs of cycles, and whether their harmonics do.
 
     Parameters
@@ -74,8 +74,8 @@ def found_between(
 
     Returns
     -------
-    V, Y : ndarray, shape (M,)
-        Speed [m/s] and amplitude [m], corrected by higher harmonics.
+    Solution
+        The cycles at the folds, corrected by higher harmonics; not converged where that failed.
     sure : ndarray of bool, shape (M,)
         Whether the fold was found and the correction is negligible.
     """
@@ -83,7 +83,7 @@ def found_between(
     final = polished(balance, folds)
     change = np.abs(final.cycles.V / folds.cycles.V - 1)
     sure = low.converged & high.converged & final.converged & (change <= CRUDE_FOLD)
-    return final.cycles.V, final.cycles.Y, sure
+    return final, sure
 
 
 def refined(balance: Balance, low: Solution, high: Solution) -> tuple[Balance, Solution, Solution]:

@@ -208,22 +208,20 @@ class Balance:
 
         Parameters
         ----------
-        cycles : Cycles
-            M candidates.
-        line : tuple of three ndarray, shape (M,)
-            The line ``v V + a Y = s`` on which each cycle is sought, as (v, a, s).
+        cycles, line
+            As for `newton_system`.
 
         Returns
         -------
         step, along : ndarray, shape (M, N)
-            The unknowns in the order of `newton_system`.
+            The unknowns in its order.
         """
-        M, h, q = cycles.U.shape
+        M, (h, q) = len(cycles), cycles.U.shape[1:]
         out = np.empty((2, M, 2 * q * h + 5))
         for first in range(0, M, _AT_ONCE):
             part = slice(first, first + _AT_ONCE)
             here = self.take(np.arange(M)[part]) if M > _AT_ONCE else self
-            r, J = here.newton_system(cycles[part], (line[0][part], line[1][part], line[2][part]))
+            r, J = here.newton_system(cycles[part], _some_of(line, part))
             right_sides = np.zeros((*r.shape, 2))
             right_sides[..., 0] = -r
             right_sides[:, -1, 1] = 1.0
@@ -364,10 +362,9 @@ class Solution:
         return len(self.converged)
 
     def __getitem__(self, index: Array | slice) -> Solution:
-        v, a, s = self.line
         return Solution(
             self.cycles[index],
-            (v[index], a[index], s[index]),
+            _some_of(self.line, index),
             self.converged[index],
             self.V_slope[index],
             self.Y_slope[index],
@@ -400,6 +397,11 @@ class Solution:
             both(self.V_slope, other.V_slope),
             both(self.Y_slope, other.Y_slope),
         )
+
+
+def _some_of(line: Line, index: Array | slice) -> Line:
+    v, a, s = line
+    return v[index], a[index], s[index]
 
 
 def at_amplitude(Y: Array) -> Line:
@@ -435,8 +437,7 @@ def solve(balance: Balance, guess: Cycles, line: Line, tolerance: float = _TOLER
         if len(going) == 0:
             break
         part = cycles[going]
-        on_line = (line[0][going], line[1][going], line[2][going])
-        step, along = here.newton_step(part, on_line)
+        step, along = here.newton_step(part, _some_of(line, going))
         part, size = _stepped(part, step)
         cycles.put(going, part)
         V_slope[going], Y_slope[going] = along[:, -3], along[:, -1]
@@ -481,8 +482,7 @@ def polished(balance: Balance, found: Solution, trust: float = _TRUST) -> Soluti
             break
         part = cycles[going]
         part = replace(part, tail=here.tail(part))
-        v, a, s = found.line
-        step, _ = here.newton_step(part, (v[going], a[going], s[going]))
+        step, _ = here.newton_step(part, _some_of(found.line, going))
         part, size[going] = _stepped(part, step)
         cycles.put(going, part)
         still = np.flatnonzero((size[going] > trust) & (size[going] < 1) & (part.V > 0))

@@ -19,7 +19,7 @@ from hunting.branch import Branch
 from hunting.continuation import STUCK, continued
 from hunting.elements import Array
 from hunting.floquet import half_multipliers
-from hunting.folds import CRUDE_FOLD, FREE, closed_in, found_between, refined
+from hunting.folds import FREE, found_between, refined
 from hunting.harmonic_balance import (
     Balance,
     Cycles,
@@ -63,7 +63,8 @@ def limit_cycles(
         delta - denser around contact.
     harmonics : int, optional
         The highest harmonic solved for. As many again follow from the forces. By default 15, and
-        31 where some cycles of the branch cannot do with less.
+        31 where some cycles of the branch cannot do with less; a fold that takes even more is found
+        with 63.
     hopf : int, optional
         Index of the Hopf point the branch starts at; by default the hunting one, where the fastest
         unstable range begins.
@@ -156,18 +157,15 @@ def _branch(
         cycles = _at(balance, averaged, known, delta, wanted, sure=Y is not None)
         known = cycles
         turned, crude = _with_turns(balance, cycles, delta)
-        found, note = turned, ""
+        found, note = cycles, ""
         if Y is None:
-            found, note, end_crude = _to_its_end(balance, turned, averaged, delta)
-            crude |= end_crude
-        else:
-            found = cycles
+            turned, note, crude_end = _to_its_end(balance, turned, averaged, delta)
+            found, crude = turned, crude or crude_end
         reached = wanted if Y is not None else wanted[wanted <= found.cycles.Y.max(initial=0.0)]
         near = np.isclose(reached[:, None], found.cycles.Y, rtol=1e-9)
         lost = len(reached) - int(near.any(axis=-1).sum())
         if lost:
             note = "; ".join(filter(None, [note, f"{lost} cycles were not found"]))
-        turned = found if Y is None else turned
         fold = _fold(turned, averaged)
         if fold and crude and len(harmonics) > 1 and highest == harmonics[-1]:
             fold = _finer_fold(balance, turned, fold, delta)
@@ -195,8 +193,8 @@ def _finer_fold(
     i = int(np.argmin(np.where(found.V_slope == 0, found.cycles.V, np.inf)))
     sides = found[np.array([i - 1, i + 1])]
     sides = sides[np.argsort(sides.cycles.Y)]
-    V, Y, sure = found_between(*refined(balance, sides[:1], sides[1:]), np.array([delta]))
-    return (float(V[0]), float(Y[0])) if sure[0] else fold
+    finer, sure = found_between(*refined(balance, sides[:1], sides[1:]), np.array([delta]))
+    return (float(finer.cycles.V[0]), float(finer.cycles.Y[0])) if sure[0] else fold
 
 
 def _kept(found: Solution) -> Solution:
@@ -245,12 +243,11 @@ def _with_turns(balance: Balance, found: Solution, delta: float) -> tuple[Soluti
     left = np.flatnonzero(turns & (forth[:-1] == forth[1:]))
     below, above = left + ~forth[left], left + forth[left]
     found = replace(found, V_slope=slope, line=at_amplitude(found.cycles.Y))
-    rough = closed_in(balance, found[below], found[above], np.full(len(left), delta))
-    folds = replace(polished(balance, rough), V_slope=np.zeros(len(left)))
-    change = np.abs(folds.cycles.V / rough.cycles.V - 1)[folds.converged]
+    folds, sure = found_between(balance, found[below], found[above], np.full(len(left), delta))
+    folds = replace(folds, V_slope=np.zeros(len(left)))
     place = np.concatenate([np.arange(len(found)), left[folds.converged] + 0.5])
     turned = found.joined(_kept(folds))[np.argsort(place)]
-    return turned, not folds.converged.all() or bool((change > CRUDE_FOLD).any())
+    return turned, not sure.all()
 
 
 def _to_its_end(

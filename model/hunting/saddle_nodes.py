@@ -97,12 +97,14 @@ def slowest_cycles(
     missed[which[~sides[1].converged]] = True
 
     which, low, high = which[rising], sides[0][rising], sides[1][rising]
-    V_fold, Y_fold, sure = found_between(balance.take(which), low, high, delta[which])
+    folds, sure = found_between(balance.take(which), low, high, delta[which])
+    V_fold, Y_fold = folds.cycles.V, folds.cycles.Y
     crude = np.flatnonzero(~sure)
     if len(crude):  # once more with twice the harmonics
-        V_fold[crude], Y_fold[crude], sure[crude] = found_between(
+        folds, sure[crude] = found_between(
             *refined(balance.take(which[crude]), low[crude], high[crude]), delta[which[crude]]
         )
+        V_fold[crude], Y_fold[crude] = folds.cycles.V, folds.cycles.Y
     missed[which[~sure]] = True
     slower = V[which] > V_fold
     V[which[slower]], Y[which[slower]] = V_fold[slower], Y_fold[slower]
