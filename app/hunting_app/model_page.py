@@ -17,16 +17,16 @@ from hunting_app.formula import formula, with_subscripts
 from hunting_app.parameter_table import parameter_table
 from hunting_app.picture import KMH, picture
 
-_PRESETS = parameter_table(
-    {"Table 1 as printed": TABLE_1, "Reconstructed": RECONSTRUCTED},
-    "how it was reconstructed",
-    RECONSTRUCTION,
-)
 _PAPER = {"V_lin": (155.0, 151.0), "V_nl": (144.0, 140.0)}  # Fig. 3: wheelset, bogie [km/h]
 
 
 def model_page() -> str:
     """Return the whole page as HTML."""
+    presets = parameter_table(
+        {"Table 1 as printed": TABLE_1, "Reconstructed": RECONSTRUCTED},
+        "how it was reconstructed",
+        RECONSTRUCTION,
+    )
     return f"""
 <article class="model">
 <section><h1>The model</h1>
@@ -50,7 +50,7 @@ speed.</p>
 vehicle has a Hopf point below 900 km/h, while Fig. 3 shows 155 and 151 km/h. The reconstruction is
 ours, not the paper's, and it is not unique: other sets come as near. Its damper force is negative
 for 0.021 m/s < |b ψ′| < 0.41 m/s, which the paper's own bifurcation diagram needs.</p>
-{_PRESETS}</section>
+{presets}</section>
 <section><h2>Sources</h2><ul>{"".join(f"<li>{escape(source)}</li>" for source in SOURCES)}</ul>
 </section></article>"""
 

@@ -27,14 +27,14 @@ def parameter_table(
     """
     rows = []
     for field in FIELDS.values():
-        values = [written(float(getattr(p, field.name))) for p in columns.values()]
+        values = [float(getattr(p, field.name)) for p in columns.values()]
         symbol, _, subscript = field.symbol.partition("_")
         mark = ' class="changed"' if len(set(values)) > 1 else ""
         said = f"<td>{with_subscripts((remarks or {}).get(field.name, ''))}</td>" if remark else ""
         rows.append(
             f'<tr{mark}><th scope="row"><i>{symbol}</i><sub>{subscript}</sub></th>'
             f"<td>{escape(field.label)}</td>"
-            + "".join(f'<td class="number">{value}</td>' for value in values)
+            + "".join(f'<td class="number">{written(value)}</td>' for value in values)
             + f"<td>{escape(field.unit)}</td>{said}</tr>"
         )
     headings = ["symbol", "parameter", *columns, "unit", *([remark] if remark else [])]
