@@ -19,6 +19,8 @@ BESIDE = (0.9, 1.1)  # what the two disturbances are of the unstable cycle
 _SHOWN = {False: 15.0, True: 60.0}  # s of one motion, of two beside the unstable cycle
 HORIZON = 300.0  # s over which the end of a motion is looked for
 _SAMPLES = 80.0  # 1/s: some 35 in a hunting period
+_MOST_STEPS = 10_000  # 4 s of work, for what takes a tenth of a second in any real vehicle
+_SWINGS = 1e-3  # share of a swinging mode's eigenvalue that is imaginary
 
 
 @dataclass(frozen=True)
@@ -50,7 +52,13 @@ class Disturbed:
 
     def decay(self) -> Decay:
         """Return whether they die out, and how long it takes. Takes about a second."""
-        return decays(self.trajectory.system, self.speed / KMH, self.initial, horizon=HORIZON)
+        return decays(
+            self.trajectory.system,
+            self.speed / KMH,
+            self.initial,
+            horizon=HORIZON,
+            most_steps=2 * _MOST_STEPS,
+        )
 
     def column(self, symbol: str, index: int) -> Array:
         """Return a state [mm, mrad or per second] over time; zeros if the vehicle has none."""
@@ -104,7 +112,14 @@ def disturbed(
         _least_damped(system.matrix(speed / KMH)) if near is None else _peak(near, system.output)
     )
     initial = sizes[:, None] * shape / (shape @ system.output)
-    motion = simulate(system, speed / KMH, initial, _SHOWN[size is None], samples=_SAMPLES)
+    motion = simulate(
+        system,
+        speed / KMH,
+        initial,
+        _SHOWN[size is None],
+        samples=_SAMPLES,
+        most_steps=_MOST_STEPS,
+    )
     return Disturbed(answers.vehicle, speed, sizes, initial, near is not None, motion)
 
 
@@ -114,10 +129,10 @@ def _peak(cycle: LimitCycle, output: Array) -> Array:
 
 
 def _least_damped(A: Array) -> Array:
-    """Return the mode that swings longest, at the instant of its largest first state."""
+    """Return the mode that swings longest, or else decays most slowly, as it passes its peak."""
     values, vectors = np.linalg.eig(A)
-    swings = np.abs(values.imag) > 1e-9 * np.abs(values)
-    mode = vectors[:, np.where(swings, values.real, -np.inf).argmax()]
+    swings = np.abs(values.imag) > _SWINGS * np.abs(values)
+    mode = vectors[:, np.where(swings | ~swings.any(), values.real, -np.inf).argmax()]
     return (mode / mode[0]).real
 
 

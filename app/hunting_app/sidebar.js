@@ -217,7 +217,8 @@ export function render({ model }) {
   const units = choice("units", "Units", model.unit_systems,
     (key) => channel.send("units", { units: key }));
   const provenance = element("p", { class: "provenance" });
-  const note = element("p", { class: "provenance" }, "Grey: hardly moves V_nl or V_lin here.");
+  const note = element("p", { class: "provenance" }, "Grey: hardly moves V", element("sub", {}, "nl"),
+    " or V", element("sub", {}, "lin"), " here.");
   const resetAll = element("button", {
     type: "button", class: "reset-all",
     onclick: () => channel.send("reset", { reset: rows.map((r) => r.row.name).filter((n) => n !== "V") }),

@@ -26,7 +26,7 @@ PRESETS = {
     "reconstructed": Preset(
         "Reconstructed",
         RECONSTRUCTED,
-        "Our reconstruction of the numbers behind the paper's Fig. 3, not the paper's own table.",
+        "Our reconstruction from the paper's Fig. 3, not the paper's own table.",
     ),
     "table1": Preset(
         "Table 1 as printed",

@@ -52,6 +52,7 @@ _CHANGING = [
     "level",
     "patience",
     "scale",
+    "taken",
 ]
 _TINY = np.finfo(float).tiny
 
@@ -131,6 +132,8 @@ class March:
         Longest step [s].
     reach : float
         A motion ends where |output| exceeds this multiple of the clearance.
+    most_steps : float
+        A motion ends where it takes more steps, those that were too long included.
     sample : float, optional
         Steps begin at multiples of this interval [s] where they can.
 
@@ -141,7 +144,7 @@ class March:
     ended : ndarray, shape (N,)
         When a motion left the range or could not be resolved; infinity while it has not.
     resolved : ndarray of bool, shape (N,)
-        False where even the shortest step was too long.
+        False where even the shortest step was too long, or there were too many of them.
     contact_peak : ndarray, shape (N, c)
         Largest |input| of each contact so far.
     """
@@ -155,6 +158,7 @@ class March:
         tolerance: float,
         step: float,
         reach: float,
+        most_steps: float,
         sample: float | None = None,
     ) -> None:
         cases = np.broadcast_shapes(system.shape, speed.shape)
@@ -173,7 +177,7 @@ class March:
 
         self.output = system.output
         self.limit = reach * np.broadcast_to(system.clearance, self.shape).ravel()
-        self.tolerance = tolerance
+        self.tolerance, self.most_steps = tolerance, most_steps
         self.kink = self.ports.kink[self.case]
         self.bend = self.ports.bend[self.case]
         self.preload = self.ports.preload[self.case]
@@ -195,7 +199,7 @@ class March:
         longest = np.minimum(step, _ANGLE / np.maximum(self._fastest(), _TINY))
         self.highest = np.floor(np.log2(longest / self.base) + _SAME).astype(int)[self.case]
         self.level = self.highest.copy()
-        self.patience = np.zeros(N, dtype=int)
+        self.patience, self.taken = np.zeros((2, N), dtype=int)
         self.scale = np.full((N, self.p), _TINY)
         self._hold_nothing()
 
@@ -481,7 +485,9 @@ class March:
         self.patience = np.where(bad, 0, self.patience + 1)
         easy = good & (error < self.tolerance / _EASY) & (self.patience > _PATIENCE)
         self.level += (easy & (self.level < self.highest)).astype(int) - bad
+        self.taken += going
         lost = bad & (self.level < self.highest - _HALVINGS)
+        lost |= going & (self.taken > self.most_steps)
         self.resolved[lost] = False
         self.ended[lost] = self.time[lost]
 

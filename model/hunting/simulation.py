@@ -15,6 +15,7 @@ from hunting.marching import Crests, March
 TOLERANCE = 3e-4
 LONGEST_STEP = 0.08  # s
 REACH = 1.6  # times the clearance: where the model's range ends
+MOST_STEPS = 100_000  # of a motion; some 20 s of work
 
 _FULL_HUNT = 1.05  # times the clearance: where a ramp down begins
 
@@ -91,6 +92,7 @@ def simulate(
     tolerance: float = TOLERANCE,
     step: float = LONGEST_STEP,
     reach: float = REACH,
+    most_steps: int = MOST_STEPS,
 ) -> Trajectory:
     """Return the motions that start at given states.
 
@@ -115,6 +117,9 @@ def simulate(
     reach : float, default 1.6
         A motion is stopped where |output| exceeds this multiple of the clearance: the model was
         never made for more.
+    most_steps : int, default 100,000
+        A motion is stopped where it takes more steps than that: with parameters far beyond any
+        vehicle's it may shake a million times a second.
 
     Returns
     -------
@@ -159,6 +164,7 @@ def simulate(
         tolerance=tolerance,
         step=step,
         reach=_reach(reach),
+        most_steps=_positive("most_steps", most_steps, ""),
         sample=duration / count,
     )
     start = march.state.copy()
@@ -215,6 +221,7 @@ def decays(
     horizon: float = 300.0,
     tolerance: float = TOLERANCE,
     reach: float = REACH,
+    most_steps: int = MOST_STEPS,
 ) -> Decay:
     """Return whether disturbances die out, and how long it takes them.
 
@@ -231,7 +238,7 @@ def decays(
         motion being stable at that speed.
     horizon : float, default 300
         When to give up [s].
-    tolerance, reach : float
+    tolerance, reach, most_steps
         As for `simulate`.
 
     Returns
@@ -269,6 +276,7 @@ def decays(
         tolerance=_positive("tolerance", tolerance, ""),
         step=LONGEST_STEP,
         reach=_reach(reach),
+        most_steps=_positive("most_steps", most_steps, ""),
     )
     stable, window = _centred_motion(march)
     N = len(march.time)
@@ -404,7 +412,15 @@ def speed_ramp(
 
     def stay(speed: Array, state: Array) -> tuple[Array, Array, Array]:
         """Return the envelopes after one dwell, whether motions hunt, and their states."""
-        march = March(system, speed, state, tolerance=tolerance, step=LONGEST_STEP, reach=reach)
+        march = March(
+            system,
+            speed,
+            state,
+            tolerance=tolerance,
+            step=LONGEST_STEP,
+            reach=reach,
+            most_steps=MOST_STEPS,
+        )
         march.run(0.4 * dwell)
         fifths = [_highest(march, march.run(part * dwell)[0])[0] for part in (0.6, 0.8, 1.0)]
         envelope = np.reshape(fifths, (3, *march.shape))
@@ -510,8 +526,10 @@ def _endings(march: March, reach: float) -> list[str]:
         if ended == np.inf
         else f"left the model's range, {reach:g} times the clearance, after {ended:.2f} s"
         if resolved
+        else f"too fast to follow: given up after {ended:.2g} s and {march.most_steps:,.0f} steps"
+        if taken > march.most_steps
         else f"could not be resolved beyond {ended:.2f} s: the shortest step is too long"
-        for ended, resolved in zip(march.ended, march.resolved, strict=True)
+        for ended, resolved, taken in zip(march.ended, march.resolved, march.taken, strict=True)
     ]
 
 

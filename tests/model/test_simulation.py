@@ -297,6 +297,25 @@ def test_a_motion_that_runs_away_is_stopped_and_says_so():
     assert np.isnan(moved.peak(since=19.0)).tolist() == [False, True, True]
 
 
+def test_a_motion_that_takes_too_many_steps_is_given_up_and_says_so():
+    system = wheelset(RECONSTRUCTED)
+    start = aside(system, [0.3 * DELTA, 0.9 * DELTA])
+    whole = simulate(system, 150 / KMH, start, 20.0)
+    moved = simulate(system, 150 / KMH, start, 20.0, most_steps=100)
+    assert whole.message.tolist() == ["", ""]
+    assert all(
+        "too fast to follow: given up after" in m and "100 steps" in m for m in moved.message
+    )
+    for k, end in enumerate(moved.ended):
+        assert 0 < end < 20
+        before = moved.time < end - 1e-9
+        assert moved.state[k, before] == pytest.approx(whole.state[k, before], abs=1e-12)
+        assert np.isnan(moved.state[k, moved.time > end + 1e-9]).all()
+    verdict = decays(system, 150 / KMH, start, most_steps=100)
+    assert not verdict.dies_out.any()
+    assert "given up" in verdict.message[0]
+
+
 def test_rest_stays_rest():
     moved = simulate(bogie(RECONSTRUCTED), 60.0, np.zeros(6), 3.0)
     assert not moved.state.any()
@@ -474,6 +493,7 @@ def test_a_stack_of_systems_ramps_together():
         ({"samples": 0}, "samples must be finite and > 0 1/s, got 0"),
         ({"tolerance": np.nan}, "tolerance must be finite and > 0, got nan"),
         ({"step": 0.0}, r"step must be finite and > 0 s, got 0\.0"),
+        ({"most_steps": 0}, "most_steps must be finite and > 0, got 0"),
         ({"reach": 0.0}, r"reach must be > 0 \(times the clearance\), got 0\.0"),
     ],
 )
