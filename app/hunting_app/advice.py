@@ -147,7 +147,7 @@ def _changes(gains: Gains, named: bool) -> str:
             f"{100 * share:+.0f} % <b>({gain:+.1f}{' km/h' if named else ''})</b>".replace("-", "−")
             for name, share, gain in gains
         )
-        or "nothing does, there is none"
+        or "there is none to raise"
     )
 
 

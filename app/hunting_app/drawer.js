@@ -17,7 +17,7 @@ export function render({ model }) {
   const button = (label, title, onclick, attributes = {}) => element("button",
     { type: "button", title, "aria-label": title, onclick, ...attributes }, label);
   const toggle = element("button", {
-    type: "button", "aria-expanded": "false", "aria-controls": "designs", title: "Named designs to compare and switch between",
+    class: "opener", type: "button", "aria-expanded": "false", "aria-controls": "designs", title: "Named designs to compare and switch between",
     onclick: () => open(sheet.hidden),
   });
   const keep = element("button", {

@@ -6,7 +6,8 @@ import re
 from html import escape
 
 GLOSSARY = {
-    "nonlinear critical speed": "Below it every motion dies out, whatever the disturbance.",
+    "nonlinear critical speed": "Below it every motion dies out, whatever the disturbance; "
+    "low-speed windows apart.",
     "linear critical speed": "Above it the vehicle hunts by itself: the centred motion is "
     "unstable.",
     "conditional band": "Between the two critical speeds it depends on the size of the "

@@ -65,10 +65,11 @@ class Motions:
 
     def _offer(self, shown: Picture) -> None:
         vehicle, moment = next(iter(shown.moments.items()))
+        self.plan.frame = vehicle == "bogie"
         self.buttons.html = _buttons(
             verdicts.no_threshold(shown.answers[vehicle], moment, shown.speed),
             pair=self.state.pair == "yes",
-            size=self.state.disturbance,
+            size=0.0 if self.state.pair == "yes" else self.state.disturbance,
         )
         if self.motion is None:
             self.text.html = said(verdicts.invitation())

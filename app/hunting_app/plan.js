@@ -39,7 +39,6 @@ export function render({ model, view }) {
   play.type = "button";
   const clock = document.createElement("output");
   const note = document.createElement("p");
-  note.textContent = `From above, in real time. Movements ${ENLARGED} times enlarged; dashed: frame.`;
   const controls = document.createElement("div");
   controls.className = "controls";
   controls.append(play, clock);
@@ -52,6 +51,7 @@ export function render({ model, view }) {
   let time = 0;
   let last = null; // of the animation's clock; null while it pauses
   let asked = 0;
+  let length = 0; // s of the longer motion; one that leaves the model's range ends there
 
   /** A flange touches its rail where the enlarged displacement is the enlarged clearance. */
   function fit() {
@@ -67,9 +67,18 @@ export function render({ model, view }) {
       });
     }
   }
-  function duration() {
-    const t = sources[0]?.data.t;
-    return t?.length ? t[t.length - 1] : 0;
+  function frames() {
+    frame.style.display = model.frame ? "" : "none";
+    const dashed = model.frame ? "; dashed: frame" : "";
+    note.textContent = `From above, in real time. Movements ${ENLARGED} times enlarged${dashed}.`;
+  }
+  function measure() {
+    length = Math.max(0, ...sources.map((source) => {
+      const { t, y } = source?.data ?? {};
+      let last = (t?.length ?? 0) - 1;
+      while (last >= 0 && !Number.isFinite(y[last])) last -= 1;
+      return last < 0 ? 0 : t[last];
+    }));
   }
   function draw() {
     let shown = 0;
@@ -86,7 +95,7 @@ export function render({ model, view }) {
       shown += rows;
     });
     clock.textContent = shown ? `t = ${time.toFixed(1)} s` : "no motion yet";
-    play.disabled = !shown;
+    play.disabled = !length;
     play.textContent = last === null ? "▶ Play" : "❚❚ Pause";
     play.setAttribute("aria-label", last === null ? "play the motion" : "pause the motion");
   }
@@ -94,13 +103,13 @@ export function render({ model, view }) {
     if (last === null) return;
     if (!box.isConnected || document.hidden || box.offsetParent === null) { pause(); return; }
     time = Math.max(0, time + (now - last) / 1000);
-    if (time >= duration()) time = 0;
+    if (time >= length) time = 0;
     last = now;
     draw();
     asked = requestAnimationFrame(step);
   }
   function start() {
-    if (!duration()) return;
+    if (!length) return;
     last = performance.now();
     cancelAnimationFrame(asked);
     asked = requestAnimationFrame(step);
@@ -114,7 +123,8 @@ export function render({ model, view }) {
   play.addEventListener("click", () => (last === null ? start() : pause()));
   function arrived() {
     time = 0;
-    if (duration() && !still.matches) start(); else pause();
+    measure();
+    if (length && !still.matches) start(); else pause();
   }
   let planned = false;
   const plan = () => {
@@ -124,8 +134,11 @@ export function render({ model, view }) {
   };
   for (const source of sources) source?.properties.data.change.connect(plan);
   model.on("clearance", fit);
+  model.on("frame", frames);
   model.on("remove", pause);
   fit();
+  frames();
+  measure();
   draw();
   return box;
 }

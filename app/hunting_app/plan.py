@@ -15,6 +15,7 @@ class Plan(JSComponent):
     """Plays the motions that the page holds already; asks the server for nothing."""
 
     clearance = param.Number(default=9.0, doc="Flange clearance [mm].")
+    frame = param.Boolean(default=True, doc="Whether the vehicle has a frame that moves.")
     present = param.Boolean(default=False, doc="Whether there is a motion to play.")
 
     _esm: ClassVar = _HERE / "plan.js"

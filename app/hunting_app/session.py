@@ -39,6 +39,7 @@ _SLOW = {
     *("undo", "redo", "design", "values", "file"),
 }  # acts after which motions are simulated: too slow for a moving hand
 
+_BY_ITSELF = {"rest", "stored"}  # acts of the page, after which refusals are still news
 _LAID_OUT = 500  # ms; a page has its layout by then
 
 
@@ -134,6 +135,8 @@ class Session:
         if self._moving not in (None, name):
             self._end_edit()  # of the slider that the hand was on before
         self.refused.pop(name, None)
+        if act.keys().isdisjoint(_BY_ITSELF):
+            self.notices = []
         try:
             change = self._change(act)
             self._check(change)

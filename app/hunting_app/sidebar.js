@@ -14,6 +14,7 @@ class Channel {
     model.on("answered", () => { this.inFlight = false; this.flush(); this.tell(); });
   }
   send(key, act) {
+    this.waiting.delete(key); // so that it comes after what was done since
     this.waiting.set(key, act);
     if (!this.inFlight) this.flush();
     clearTimeout(this.resting);
@@ -89,6 +90,7 @@ function symbol(row) {
 class Row {
   constructor(row, channel, tip) {
     this.channel = channel;
+    this.tip = tip;
     const id = `row-${row.name}`;
     this.slider = element("input", {
       type: "range", id, min: 0, max: FINE, step: 1,
@@ -142,6 +144,7 @@ class Row {
   }
   type() { this.send(this.box.value); }
   send(value) {
+    this.isAhead = true;
     this.channel.send(this.key, { set: this.row.name, to: value, units: this.channel.model.units });
   }
   /** Show the server's value, unless the hand is already further. */
@@ -152,7 +155,9 @@ class Row {
     if (this.meaning.textContent !== meaning) this.meaning.textContent = meaning;
     if (this.channel.isPending(this.key)) return;
     const typed = refused && this.box.value;
-    if (value !== this.value || refused || this.refusal.textContent) {
+    const answered = this.isAhead && !this.channel.inFlight; // if only by something done since
+    if (answered) this.isAhead = false;
+    if (value !== this.value || refused || this.refusal.textContent || answered) {
       this.scale.widen(value);
       if (!this.held) this.slider.value = this.scale.position(value);
       this.box.value = typed || written(value);
@@ -162,6 +167,7 @@ class Row {
     this.base = base;
     this.node.classList.toggle("changed", value !== base);
     this.node.classList.toggle("refused", Boolean(refused));
+    if (refused) this.tip.hide(); // it would cover the reason
     this.back.disabled = value === base;
     this.box.setAttribute("aria-invalid", refused ? "true" : "false");
     const words = refused ? `${refused}. Still ${written(value)} ${this.row.unit}.` : "";
@@ -274,7 +280,9 @@ export function render({ model }) {
     planned = true;
     queueMicrotask(() => { planned = false; show(); });
   };
-  for (const name of ["values", "base", "preset", "vehicle", "refused", "idle", "provenance"]) model.on(name, plan);
+  for (const name of ["values", "base", "preset", "vehicle", "refused", "idle", "provenance", "answered"]) {
+    model.on(name, plan);
+  }
   model.on("rows", () => {
     rows.forEach((row, i) => row.measureIn(model.rows[i]));
     plan();

@@ -40,7 +40,7 @@ def no_threshold(answers: Answers, moment: Moment, speed: float) -> str:
     if not moment.centre_is_stable:
         return f"{at}the centred motion is unstable itself, any disturbance grows."
     if speed < answers.lowest:
-        return f"{at}below {answers.lowest:.1f} km/h every disturbance dies out."
+        return f"{at}every disturbance dies out."
     return f"{at}the branch does not reach this speed."
 
 
@@ -53,9 +53,10 @@ def motion(one: Disturbed, decay: Decay | None) -> str:
     ]
     peak = float(np.max(one.trajectory.peak_forces[_FLANGE])) / 1e3
     force = f"peak flange force {peak:.1f} kN" if peak else "no flange contact"
+    lasted = float(np.max(one.trajectory.ended))
     return "".join(lines) + said(
-        f"The {one.vehicle} at {one.speed:.4g} km/h, disturbed in the shape of the {shape}. "
-        f"First {one.trajectory.time[-1]:.0f} s: {force}."
+        f"The {one.vehicle} at {one.speed:.4g} km/h, disturbed in the shape of the {shape}."
+        + (f" First {lasted:.2g} s: {force}." if lasted else "")
     )
 
 

@@ -19,7 +19,7 @@ _TERMS = {
     "V<sub>lin</sub>": "linear critical speed",
     "band": "conditional band",
     "f": "hunting frequency",
-    "λ": "wavelength",
+    "L": "wavelength",
 }
 
 _LINE = '<svg width="26" height="10" aria-hidden="true"><path d="M1 5h24" class="{}"/></svg>'
@@ -94,7 +94,7 @@ def _quantities(one: Answers) -> dict[str, tuple[float, str, int]]:
         "V<sub>lin</sub>": (linear, "km/h", 1),
         "band": (linear - nonlinear, "km/h", 1),
         "f": (hertz, "Hz", 2),
-        "λ": (linear / KMH / hertz if hertz else math.nan, "m", 1),
+        "L": (linear / KMH / hertz if hertz else math.nan, "m", 1),
     }
 
 
@@ -158,7 +158,9 @@ def _diagram(one: Answers, moment: Moment, speed: float) -> str:
         )
     if not moment.centre_is_stable:
         in_window = speed < KMH * float(one.critical.linear)
-        return f"{start} hunts by itself{', in its low-speed window' * in_window}{amplitude}."
+        where = ", in its low-speed window" if in_window else ""
+        known = "" if hunt or in_window else ": the branch of limit cycles ends before this speed"
+        return f"{start} hunts by itself{where}{amplitude}{known}."
     if threshold:
         size = MM * threshold.amplitude
         return (

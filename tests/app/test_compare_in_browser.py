@@ -277,6 +277,17 @@ def test_designs_survive_a_reload_and_reach_another_tab(two_designs):
     expect(two_designs.page.get_by_role("button", name="Undo")).to_be_disabled()
 
 
+def test_kept_designs_do_not_disturb_the_page_as_it_opens(two_designs):
+    """The number on the button comes while the plots are laid out; Bokeh would stumble."""
+    complaints = []
+    two_designs.page.on("pageerror", lambda error: complaints.append(str(error)))
+    for search in ("", "?Ky=1e5"):
+        two_designs.open(search)
+        expect(two_designs.page.get_by_role("button", name="Designs (2)")).to_be_visible()
+        two_designs.settle()
+    assert not complaints
+
+
 def test_designs_are_saved_as_csv_and_json(two_designs):
     page = two_designs.page
     with page.expect_download() as csv_file:

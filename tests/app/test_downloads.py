@@ -8,6 +8,7 @@ from importlib.metadata import version
 from xml.etree import ElementTree
 
 import pytest
+from playwright.sync_api import expect
 
 from hunting import RECONSTRUCTED, Parameters, bogie, critical_speeds, limit_cycles
 
@@ -82,6 +83,20 @@ def test_the_menu_closes_with_escape_and_gives_the_keyboard_back(dashboard):
     dashboard.page.keyboard.press("Escape")
     assert not first.is_visible()
     assert opener.evaluate("node => node.getRootNode().activeElement === node")
+
+
+def test_the_mouse_reaches_the_menus_from_the_plots(dashboard):
+    mouse = dashboard.page.mouse
+    for what in CARDS:
+        opener = dashboard.page.get_by_label(f"download {what}", exact=True)
+        box = opener.bounding_box()
+        x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+        mouse.move(x - 80, y + 160)
+        mouse.move(x, y, steps=12)
+        mouse.down()
+        mouse.up()
+        expect(opener.locator("xpath=..")).to_have_attribute("open", "")
+        dashboard.page.keyboard.press("Escape")
 
 
 def test_the_report_opens_without_a_network_and_its_plots_move(open_dashboard, chromium, tmp_path):

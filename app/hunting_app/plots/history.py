@@ -85,6 +85,8 @@ class History:
             lane.frame((0.0, float(time[-1])), (-end, end))
 
     def clear(self) -> None:
-        """Shade nothing."""
+        """Shade nothing, on axes as they were before any motion."""
         nothing = np.zeros(0)
+        for lane in self.lanes.values():
+            lane.frame((0.0, 1.0), (0.0, 1.0))
         self.feed.put(self.contacts, {"from": nothing, "to": nothing})
