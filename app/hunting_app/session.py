@@ -204,13 +204,10 @@ class Session:
             case {"file": name, "text": text, "size": size}:
                 self.refused.clear()
                 change, self._said = files.with_file(self.state, name, text, size)
-                self.notices = []
                 return change
             case {"stored": text}:
                 self.history.take(change := {"designs": files.stored(text)})
                 return change
-            case {"dismiss": True}:
-                self.notices = []
             case {"dark": bool()}:
                 return act
             case {"disturbance": size, "speed": speed}:

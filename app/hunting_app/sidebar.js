@@ -167,11 +167,13 @@ class Row {
     this.base = base;
     this.node.classList.toggle("changed", value !== base);
     this.node.classList.toggle("refused", Boolean(refused));
-    if (refused) this.tip.hide(); // it would cover the reason
     this.back.disabled = value === base;
     this.box.setAttribute("aria-invalid", refused ? "true" : "false");
     const words = refused ? `${refused}. Still ${written(value)} ${this.row.unit}.` : "";
-    if (this.refusal.textContent !== words) this.refusal.textContent = words;
+    if (this.refusal.textContent !== words) {
+      this.refusal.textContent = words;
+      if (words) this.tip.hide(); // it would cover them
+    }
   }
   describe(value) {
     this.slider.style.setProperty("--at", `${100 * this.scale.position(value) / FINE}%`);

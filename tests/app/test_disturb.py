@@ -82,7 +82,7 @@ def test_both_motions_are_drawn(session):
 
 @pytest.mark.parametrize(
     ("speed", "reason"),
-    [(100, "every disturbance dies out"), (160, "unstable itself")],
+    [(100, "no unstable cycle: every disturbance dies out"), (160, "unstable itself")],
 )
 def test_without_an_unstable_cycle_the_button_says_why(session, speed, reason):
     session.act({"set": "V", "to": speed})
