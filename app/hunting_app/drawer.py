@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import panel as pn
 import param
-from panel.custom import JSComponent
 
 from hunting.tables import rows
 from hunting_app import files
+from hunting_app.component import Component
 from hunting_app.designs import MOST, differences
 from hunting_app.pace import after
 from hunting_app.picture import KMH, critical
@@ -29,7 +29,7 @@ _HERE = Path(__file__).parent
 _GAP = 20  # ms between two designs that are computed, in which others are served
 
 
-class Drawer(JSComponent):
+class Drawer(Component):
     """A button and, over the lower plots, the table; the designs live in the browser's memory.
 
     Critical speeds are computed only while the drawer is open, one design at a time.

@@ -83,7 +83,6 @@ class Explore:
             self._draw(self.state.exact == "shown")
             self.details.motions.run()
             self.view.extend(self.details.cards())
-            self.feed.connect(self.bifurcation.figure)
             self.advice.run()
 
     def draw(self) -> None:
@@ -122,7 +121,8 @@ class Explore:
         if self._drawn != wanted:
             self._draw_curves(shown, settled)
             self._drawn = wanted
-        self.bifurcation.draw_moment(shown, settled)
+        if settled:
+            self.bifurcation.draw_moment(shown)
         if self.details:
             self.details.draw_moment(shown, settled)
         self.feed.send()
@@ -134,8 +134,8 @@ class Explore:
             self._vehicles = set(shown.answers)
             for plot in self.plots:
                 plot.show_vehicles(self._vehicles)
-        self.bifurcation.draw(shown, averaging=self.state.averaged == "shown", settled=settled)
-        if settled:
+        if settled:  # both branches move together
+            self.bifurcation.draw(shown, averaging=self.state.averaged == "shown")
             self._draw_baseline(shown)
         if self.details:
             self.details.draw(shown)

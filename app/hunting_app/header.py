@@ -6,8 +6,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import param
-from panel.custom import JSComponent
 
+from hunting_app.component import Component
 from hunting_app.state import PAGES
 
 if TYPE_CHECKING:
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 _HERE = Path(__file__).parent
 
 
-class Header(JSComponent):
+class Header(Component):
     """Title, navigation, theme; keeps the address bar and the Back button in step."""
 
     pages = param.List(doc="Key and label of each page.")

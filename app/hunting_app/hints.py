@@ -6,7 +6,8 @@ from pathlib import Path
 from typing import ClassVar
 
 import param
-from panel.custom import JSComponent
+
+from hunting_app.component import Component
 
 _HERE = Path(__file__).parent
 HINTS = (
@@ -17,7 +18,7 @@ HINTS = (
 )
 
 
-class Hints(JSComponent):
+class Hints(Component):
     """A box at the lower edge; the browser remembers that it was read."""
 
     hints = param.List(default=list(HINTS), doc="One after the other.")

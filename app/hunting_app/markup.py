@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import param
 from bokeh.models import Pane
 from bokeh.models.dom import HTML
-from panel.custom import JSComponent
 
 from hunting_app import formula
+from hunting_app.component import Component
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -31,7 +31,7 @@ def text(*classes: str) -> tuple[HTML, Pane]:
     return content, Pane(elements=[content], css_classes=list(classes), stylesheets=[STYLE])
 
 
-class Html(JSComponent):
+class Html(Component):
     """Markup with buttons; what one stands for is its ``data-act``, as JSON."""
 
     html = param.String(doc="What is shown.")

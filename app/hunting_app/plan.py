@@ -6,12 +6,13 @@ from pathlib import Path
 from typing import Any, ClassVar
 
 import param
-from panel.custom import JSComponent
+
+from hunting_app.component import Component
 
 _HERE = Path(__file__).parent
 
 
-class Plan(JSComponent):
+class Plan(Component):
     """Plays the motions that the page holds already; asks the server for nothing."""
 
     clearance = param.Number(default=9.0, doc="Flange clearance [mm].")

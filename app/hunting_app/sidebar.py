@@ -6,8 +6,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import param
-from panel.custom import JSComponent
 
+from hunting_app.component import Component
 from hunting_app.scripts import script
 from hunting_app.state import FIELDS, PRESETS, SPEED, VEHICLES, State
 from hunting_app.units import UNITS, scale
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 _HERE = Path(__file__).parent
 
 
-class Sidebar(JSComponent):
+class Sidebar(Component):
     """Native sliders, boxes and buttons, drawn in the browser.
 
     The browser sends lists of acts and keeps at most one such message in flight: what happens

@@ -6,9 +6,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import param
-from panel.custom import JSComponent
 
 from hunting_app import files
+from hunting_app.component import Component
 from hunting_app.scripts import script
 from hunting_app.state import FIELDS
 
@@ -28,7 +28,7 @@ _CALLED = {
 }
 
 
-class Toolbar(JSComponent):
+class Toolbar(Component):
     """Buttons beside the title, on every page; also Ctrl+Z, and files that are dropped."""
 
     served = param.Boolean(doc="Whether page and address bar are all ours.")

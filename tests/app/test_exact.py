@@ -35,7 +35,7 @@ def test_the_exact_branch_can_be_hidden_and_averaging_answers_instead(session):
     assert column(diagram.averaged["bogie"], "V").size
     assert "by averaging" in session.explore.texts["answers"].html
     cycle = picture(RECONSTRUCTED, "bogie", 145.0, exact=False).moments["bogie"].cycles[0]
-    drawn = column(session.explore.details.portraits.unstable["bogie"], "y").max()
+    drawn = column(session.explore.details.portraits.cycles.unstable["bogie"], "y").max()
     assert drawn == pytest.approx(MM * cycle.amplitude, rel=1e-4)
 
 
@@ -54,7 +54,7 @@ def test_a_link_keeps_what_is_hidden(session):
 
 def test_portraits_show_the_exact_cycles(session):
     cycles = limit_cycles(bogie(RECONSTRUCTED)).at_speed(145.0 / KMH)
-    drawn = column(session.explore.details.portraits.unstable["bogie"], "y").max()
+    drawn = column(session.explore.details.portraits.cycles.unstable["bogie"], "y").max()
     assert drawn == pytest.approx(MM * cycles[0].amplitude, rel=1e-4)
 
 

@@ -71,13 +71,13 @@ def test_portraits_show_the_two_cycles_at_the_chosen_speed(session):
     portraits = session.explore.details.portraits
     shown = picture(RECONSTRUCTED, "bogie", 145.0).moments["bogie"]
     small, big = (MM * cycle.amplitude for cycle in shown.cycles)
-    assert values(portraits.unstable["bogie"])["y"].max() == pytest.approx(small, rel=1e-4)
-    assert values(portraits.stable["bogie"])["y"].max() == pytest.approx(big, rel=1e-4)
+    assert values(portraits.cycles.unstable["bogie"])["y"].max() == pytest.approx(small, rel=1e-4)
+    assert values(portraits.cycles.stable["bogie"])["y"].max() == pytest.approx(big, rel=1e-4)
 
 
 def test_at_a_safe_speed_there_is_no_cycle(session):
     session.act({"set": "V", "to": "100"})
-    assert not values(session.explore.details.portraits.stable["bogie"])["y"].size
+    assert not values(session.explore.details.portraits.cycles.stable["bogie"])["y"].size
     assert "is safe: every disturbance dies out" in session.explore.texts["bifurcation"].html
 
 
@@ -117,6 +117,7 @@ def test_a_refused_value_changes_nothing_but_is_named_beside_its_box(session, ty
 
 
 def test_a_move_rebuilds_no_model(session):
+    session.act({"vehicle": "both"})  # what shows a vehicle is made when it is first shown
     before = {model.id for model in session.root.get_root().references()}
     for k in range(20):
         session.act({"set": "Ky", "to": 5e4 + 5e3 * k})

@@ -8,7 +8,8 @@ from pathlib import Path
 from typing import Any, ClassVar
 
 import param
-from panel.custom import JSComponent
+
+from hunting_app.component import Component
 
 _HERE = Path(__file__).parent
 KINDS = {"csv": "Curves (CSV)", "png": "Picture (PNG)", "svg": "Drawing (SVG)"}
@@ -38,7 +39,7 @@ class File:
     title: str = ""
 
 
-class Menu(JSComponent):
+class Menu(Component):
     """Offers files; the server keeps nothing, what it makes travels in its answer."""
 
     subject = param.String(doc="What the files hold, in words.")

@@ -8,8 +8,6 @@ import numpy as np
 from bokeh.models import GlyphRenderer, HoverTool, HSpan, Line, Range1d, Scatter, VSpan, VStrip
 from bokeh.plotting import figure
 
-from hunting_app.state import VEHICLES
-
 if TYPE_CHECKING:
     from bokeh.model import Model
     from bokeh.models import ColumnDataSource
@@ -17,15 +15,22 @@ if TYPE_CHECKING:
     from hunting.elements import Array
     from hunting_app.palette import Palette
     from hunting_app.picture import Picture
+    from hunting_app.plots.feed import Feed
 
 FONT = "system-ui, sans-serif"
+BACKGROUND, BASELINE, AVERAGED, EXACT, MOTIONS = range(5)  # layers, the lowest first
 _GLYPHS = {"line": Line, "scatter": Scatter, "hspan": HSpan, "vspan": VSpan, "vstrip": VStrip}
 
 
 class Plot:
-    """A Bokeh figure whose colours follow the palette and whose data is patched, never rebuilt."""
+    """A Bokeh figure whose colours follow the palette and whose data is patched, never rebuilt.
 
-    def __init__(self, x_label: str, y_label: str, name: str, described: str) -> None:
+    What shows a vehicle or its baseline is made when it is first wanted: all that is on a page
+    takes its time at every update, drawn or not.
+    """
+
+    def __init__(self, feed: Feed, x_label: str, y_label: str, name: str, described: str) -> None:
+        self.feed = feed
         self.figure = figure(
             name=name,
             html_attributes={"role": "img", "aria-label": described},
@@ -42,8 +47,12 @@ class Plot:
         )
         self.figure.toolbar.autohide = True
         self.figure.toolbar.logo = None
+        self._palette: Palette | None = None
         self._inks: list[tuple[Model, str, str]] = []
-        self._of_vehicle: list[tuple[GlyphRenderer, str]] = []
+        self._layers = [0] * (MOTIONS + 1)  # how many glyphs there are in each
+        self._hovers: dict[str, HoverTool] = {}
+        self._of_vehicle: dict[str, list[GlyphRenderer]] = {}
+        self._greys: dict[str, list[GlyphRenderer]] = {}
         for axis in self.figure.axis:
             axis.axis_label_text_font = axis.major_label_text_font = FONT
             axis.axis_label_text_font_style = "normal"
@@ -64,52 +73,80 @@ class Plot:
 
     def ink(self, model: Model, **roles: str) -> None:
         """Let colours of a model follow the palette: ``ink(line, line_color="bogie")``."""
-        self._inks += [(model, attribute, role) for attribute, role in roles.items()]
+        inks = [(model, attribute, role) for attribute, role in roles.items()]
+        self._inks += inks
+        self._colour(inks)
 
-    def add(self, glyph: str, source: ColumnDataSource, inks: dict[str, str], **look: Any) -> Any:
-        """Add a glyph, such as ``"line"``, whose colours follow the palette."""
+    def _colour(self, inks: list[tuple[Model, str, str]]) -> None:
+        if self._palette is not None:
+            for model, attribute, role in inks:
+                setattr(model, attribute, getattr(self._palette, role))
+
+    def add(
+        self,
+        glyph: str,
+        source: ColumnDataSource,
+        inks: dict[str, str],
+        layer: int = BACKGROUND,
+        **look: Any,
+    ) -> GlyphRenderer:
+        """Add a glyph, such as ``"line"``, on top of its layer; colours follow the palette."""
         drawn = _GLYPHS[glyph](**look)
         renderer = GlyphRenderer(  # figure.line and the like would prepare four more looks of it
             data_source=source,
             glyph=drawn,
+            view=self.feed.views[source.id],
             selection_glyph=None,
             nonselection_glyph=None,
             muted_glyph=None,
         )
-        self.figure.renderers.append(renderer)
+        self.figure.renderers.insert(sum(self._layers[: layer + 1]), renderer)
+        self._layers[layer] += 1
         self.ink(drawn, **inks)
-        self._of_vehicle += [(renderer, role) for role in set(inks.values()) & set(VEHICLES)]
         return renderer
-
-    def behind(self, source: ColumnDataSource, **look: Any) -> Any:
-        """Add a grey line of the baseline, hidden until there is one."""
-        line = self.add("line", source, {"line_color": "baseline"}, **look)
-        line.visible = False
-        return line
 
     def show_vehicles(self, vehicles: set[str]) -> None:
         """Draw only these: what is hidden costs no time."""
-        for renderer, vehicle in self._of_vehicle:
-            renderer.visible = vehicle in vehicles
+        for vehicle in sorted(vehicles - self._of_vehicle.keys()):
+            self._of_vehicle[vehicle] = self.add_vehicle(vehicle)
+        for vehicle, renderers in self._of_vehicle.items():
+            for renderer in renderers:
+                renderer.visible = vehicle in vehicles
 
-    def hover(self, renderers: list[GlyphRenderer], tooltips: list[tuple[str, str]]) -> None:
-        """Show values under the pointer."""
-        tool = HoverTool(renderers=renderers, tooltips=tooltips, visible=False)
-        self.figure.add_tools(tool)
+    def add_vehicle(self, vehicle: str) -> list[GlyphRenderer]:
+        """Add what shows a vehicle."""
+        return []
+
+    def draw_baseline(self, shown: Picture) -> None:
+        """Draw what is compared with, in grey."""
+        for vehicle in sorted(shown.baseline.keys() - self._greys.keys()):
+            self._greys[vehicle] = self.add_baseline(vehicle)
+        for vehicle, greys in self._greys.items():
+            for grey in greys:
+                grey.visible = vehicle in shown.baseline
+
+    def add_baseline(self, vehicle: str) -> list[GlyphRenderer]:
+        """Add what shows the baseline of a vehicle."""
+        return []
+
+    def hover(self, renderer: GlyphRenderer, name: str, says: str) -> None:
+        """Show values under the pointer; `says` may hold Bokeh's ``$name`` and the like."""
+        renderer.name = name
+        if says not in self._hovers:
+            self._hovers[says] = HoverTool(renderers=[], tooltips=says, visible=False)
+            self.figure.add_tools(self._hovers[says])
+        self._hovers[says].renderers.append(renderer)
 
     def dress(self, palette: Palette) -> None:
         """Apply a palette."""
-        for model, attribute, role in self._inks:
-            setattr(model, attribute, getattr(palette, role))
+        self._palette = palette
+        self._colour(self._inks)
 
     def draw(self, shown: Picture) -> None:
         """Draw what holds at every speed."""
 
     def draw_moment(self, shown: Picture) -> None:
         """Draw what holds at the chosen speed."""
-
-    def draw_baseline(self, shown: Picture) -> None:
-        """Draw what is compared with, in grey."""
 
     def frame(self, x: tuple[float, float], y: tuple[float, float]) -> None:
         """Set the axes; what has not changed is left alone, and with it the person's zoom."""

@@ -9,22 +9,25 @@ import numpy as np
 
 from hunting_app.numerals import rounded_up
 from hunting_app.picture import KMH, MM
-from hunting_app.plots.base import Plot
+from hunting_app.plots.base import AVERAGED, BASELINE, EXACT, Plot
 
 if TYPE_CHECKING:
+    from bokeh.models import ColumnDataSource, GlyphRenderer
+
     from hunting.branch import Branch
     from hunting_app.picture import Answers, Picture
     from hunting_app.plots.feed import Columns, Feed
 
 _ZONES = ("safe", "conditional", "hunting")
+_UNDER_THE_POINTER = "<b>$name</b><br>$snap_y{0.00} mm at $snap_x{0.0} km/h"
 
 
 class Bifurcation(Plot):
     """Stable branches solid, unstable ones dashed, over the zones of the first vehicle."""
 
     def __init__(self, feed: Feed) -> None:
-        self.feed = feed
         super().__init__(
+            feed,
             "forward speed V [km/h]",
             "amplitude, peak |y| [mm]",
             "bifurcation",
@@ -33,19 +36,14 @@ class Bifurcation(Plot):
         self.zones = {zone: feed.source("left", "right") for zone in _ZONES}
         self.clearance = feed.source("y")
         self.cursor = feed.source("x")
-        self.branches = {v: feed.source("V", "stable", "unstable") for v in ("bogie", "wheelset")}
-        self.averaged = {v: feed.source("V", "stable", "unstable") for v in self.branches}
-        self.averaged_folds = {v: feed.source("V", "a") for v in self.branches}
-        self.hopf = {v: feed.source("V", "a") for v in self.branches}
-        self.folds = {v: feed.source("V", "a") for v in self.branches}
-        self.cycles = {v: feed.source("V", "stable", "unstable") for v in self.branches}
-        self.baseline = {v: feed.source("V", "stable", "unstable") for v in self.branches}
+        self.branches: dict[str, ColumnDataSource] = {}
+        self.averaged: dict[str, ColumnDataSource] = {}
+        self.averaged_folds: dict[str, ColumnDataSource] = {}
+        self.hopf: dict[str, ColumnDataSource] = {}
+        self.folds: dict[str, ColumnDataSource] = {}
+        self.cycles: dict[str, ColumnDataSource] = {}
+        self.baseline: dict[str, ColumnDataSource] = {}
         self._draw_background()
-        self._greys = {v: self._add_baseline(v) for v in self.branches}
-        for vehicle in self.branches:
-            self._draw_averaged(vehicle)
-        for vehicle in self.branches:
-            self._draw_vehicle(vehicle)
 
     def _draw_background(self) -> None:
         for zone, source in self.zones.items():
@@ -59,66 +57,73 @@ class Bifurcation(Plot):
         )  # fmt: skip
         self.add("vspan", self.cursor, {"line_color": "cursor"}, x="x", line_width=1.5)
 
-    def _add_baseline(self, v: str) -> list[Any]:
-        stable, unstable = (
-            self.behind(self.baseline[v], x="V", y=column, line_width=3, line_dash=dash)
-            for column, dash in (("stable", []), ("unstable", [7, 5]))
-        )
-        for line, column in ((stable, "stable"), (unstable, "unstable")):
-            label = f"baseline, {v}, {column} cycle"
-            self.hover([line], [(label, f"@{column}{{0.00}} mm"), ("at", "@V{0.0} km/h")])
-        return [stable, unstable]
+    def add_baseline(self, vehicle: str) -> list[GlyphRenderer]:
+        """Add the branch of a baseline."""
+        source = self.baseline[vehicle] = self.feed.source("V", "stable", "unstable")
+        look = {"line_width": 3, "layer": BASELINE}
+        return self._add_branch(source, "baseline", f"baseline, {vehicle}, {{}} cycle", look)
 
-    def _draw_averaged(self, v: str) -> None:
-        source, colour = self.averaged[v], {"line_color": "averaged"}
-        diamond = colour | {"fill_color": "averaged"}
-        made = [
-            self.add("line", source, colour, x="V", y="stable", line_width=1.5),
-            self.add("line", source, colour, x="V", y="unstable", line_width=1.5, line_dash=[6, 4]),
+    def add_vehicle(self, vehicle: str) -> list[GlyphRenderer]:
+        """Add a vehicle's branches and their points."""
+        return self._add_averaged(vehicle) + self._add_exact(vehicle)
+
+    def _add_averaged(self, v: str) -> list[GlyphRenderer]:
+        self.averaged[v] = self.feed.source("V", "stable", "unstable")
+        self.averaged_folds[v] = self.feed.source("V", "a")
+        look = {"line_width": 1.5, "layer": AVERAGED}
+        return [
+            *self._add_branch(self.averaged[v], "averaged", f"{v}, {{}}, averaged", look),
             self.add(
-                "scatter", self.averaged_folds[v], diamond, x="V", y="a", size=9, marker="diamond"
+                "scatter", self.averaged_folds[v],
+                {"line_color": "averaged", "fill_color": "averaged"}, AVERAGED,
+                x="V", y="a", size=9, marker="diamond",
             ),
+        ]  # fmt: skip
+
+    def _add_exact(self, v: str) -> list[GlyphRenderer]:
+        filled, hollow = ({"line_color": v, "fill_color": fill} for fill in (v, "paper"))
+        branch = self.branches[v] = self.feed.source("V", "stable", "unstable")
+        cycles = self.cycles[v] = self.feed.source("V", "stable", "unstable")
+        self.hopf[v], self.folds[v] = self.feed.source("V", "a"), self.feed.source("V", "a")
+        square = {"x": "V", "size": 8, "marker": "square"}
+        look = {"line_width": 3, "layer": EXACT}
+        return [
+            *self._add_branch(branch, v, f"{v}, {{}} cycle, exact", look),
+            self.add("scatter", self.hopf[v], filled, EXACT, x="V", y="a", size=10),
+            self.add(
+                "scatter", self.folds[v], filled, EXACT, x="V", y="a", size=13, marker="diamond"
+            ),
+            self.add("scatter", cycles, filled, EXACT, y="stable", **square),
+            self.add("scatter", cycles, hollow, EXACT, y="unstable", **square),
         ]
-        self._of_vehicle += [(renderer, v) for renderer in made]
-        for line, column in zip(made[:2], ("stable", "unstable"), strict=True):
-            label = f"{v}, {column}, averaged"
-            self.hover([line], [(label, f"@{column}{{0.00}} mm"), ("at", "@V{0.0} km/h")])
 
-    def _draw_vehicle(self, v: str) -> None:
-        colour, filled = {"line_color": v}, {"line_color": v, "fill_color": v}
-        hollow = {"line_color": v, "fill_color": "paper"}
-        branch, cycles = self.branches[v], self.cycles[v]
-        stable = self.add("line", branch, colour, x="V", y="stable", line_width=3)
-        unstable = self.add(
-            "line", branch, colour, x="V", y="unstable", line_width=2.5, line_dash=[7, 5]
-        )
-        self.add("scatter", self.hopf[v], filled, x="V", y="a", size=10)
-        self.add("scatter", self.folds[v], filled, x="V", y="a", size=13, marker="diamond")
-        self.add("scatter", cycles, filled, x="V", y="stable", size=8, marker="square")
-        self.add("scatter", cycles, hollow, x="V", y="unstable", size=8, marker="square")
-        for line, column in ((stable, "stable"), (unstable, "unstable")):
-            label = f"{v}, {column} cycle, exact"
-            self.hover([line], [(label, f"@{column}{{0.00}} mm"), ("at", "@V{0.0} km/h")])
+    def _add_branch(
+        self, source: ColumnDataSource, ink: str, name: str, look: dict[str, Any]
+    ) -> list[GlyphRenderer]:
+        """Add its stable part, solid, and its unstable one, dashed."""
+        made = []
+        for column, dash in (("stable", []), ("unstable", [7, 5])):
+            line = self.add(
+                "line", source, {"line_color": ink}, x="V", y=column, line_dash=dash, **look
+            )
+            self.hover(line, name.format(column), _UNDER_THE_POINTER)
+            made.append(line)
+        return made
 
-    def draw(self, shown: Picture, averaging: bool = True, settled: bool = True) -> None:
-        """Draw branches, points and zones.
-
-        The averaged branch only if it is wanted; what follows from the exact one only if that is
-        `settled`, else it stays as it is.
-        """
+    def draw(self, shown: Picture, averaging: bool = True) -> None:
+        """Draw branches, points and zones; the averaged branch only if it is wanted."""
         for vehicle in self.branches:
             answers = shown.answers.get(vehicle)
             exact = answers.exact if answers else None
             averaged = answers.averaged if answers and averaging else None
-            if settled:
-                self.feed.put(self.branches[vehicle], branch_columns(exact))
-                self.feed.put(self.folds[vehicle], _fold(exact))
+            self.feed.put(self.branches[vehicle], branch_columns(exact))
+            self.feed.put(self.folds[vehicle], _fold(exact))
             self.feed.put(self.averaged[vehicle], branch_columns(averaged))
             self.feed.put(self.averaged_folds[vehicle], _fold(averaged))
             self.feed.put(self.hopf[vehicle], _hopf(answers))
         end = float(shown.speeds[-1])
         zones = _zones(next(iter(shown.answers.values())), end)
-        for zone, source in self.zones.items() if settled else ():
+        for zone, source in self.zones.items():
             here = [(low, high) for name, low, high in zones if name == zone]
             self.feed.put(
                 source, {"left": [low for low, _ in here], "right": [high for _, high in here]}
@@ -129,16 +134,15 @@ class Bifurcation(Plot):
 
     def draw_baseline(self, shown: Picture) -> None:
         """Draw the baseline's branches: the exact one, or the averaged one if that is hidden."""
+        super().draw_baseline(shown)
         for vehicle, source in self.baseline.items():
             answers = shown.baseline.get(vehicle)
             self.feed.put(source, branch_columns(answers.branch if answers else None))
-            for line in self._greys[vehicle]:
-                line.visible = answers is not None
 
-    def draw_moment(self, shown: Picture, settled: bool = True) -> None:
-        """Draw the cursor, and the cycles it meets if what decides on them is `settled`."""
+    def draw_moment(self, shown: Picture) -> None:
+        """Draw the cursor and the cycles it meets."""
         self.feed.put(self.cursor, {"x": [shown.speed]})
-        for vehicle, source in self.cycles.items() if settled else ():
+        for vehicle, source in self.cycles.items():
             moment = shown.moments.get(vehicle)
             cycles = moment.cycles if moment else []
             marks = {

@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
-from bokeh.models import ColumnDataSource, CustomJS
+from bokeh.models import AllIndices, CDSView, ColumnDataSource, CustomJS, Selection, UnionRenderers
 from numpy.typing import NDArray
 
 if TYPE_CHECKING:
@@ -30,12 +30,23 @@ _UNCHANGED = np.full(1, -1.0)
 class Feed:
     """Sources of numbers, filled together; what has not changed is not sent again.
 
-    `send` fills sources that are not on a page yet; of the others only the twins in the browser:
-    here they keep what the page began with.
+    `send` fills sources that the browser does not know yet, so that glyphs are made with their
+    data; of the others only the twins in the browser: here they keep what they began with.
+
+    Attributes
+    ----------
+    sources : list of ColumnDataSource
+        In the order in which they travel.
+    views : dict
+        By the id of a source: all of it, for every glyph that draws it. Bokeh goes through all
+        models of a page at every update; what sources and glyphs can share, they share.
     """
 
     def __init__(self) -> None:
         self.sources: list[ColumnDataSource] = []
+        self.views: dict[str, CDSView] = {}
+        self._whole = AllIndices()
+        self._alike = {"selected": Selection(), "selection_policy": UnionRenderers()}
         self._staged: dict[str, tuple[Columns, NDArray[np.float64]]] = {}
         self._shown: dict[str, bytes] = {}
         self._waits = False
@@ -46,19 +57,15 @@ class Feed:
 
     def source(self, *columns: str) -> ColumnDataSource:
         """Return a new empty source with these columns."""
-        source = ColumnDataSource({name: [] for name in columns})
+        source = ColumnDataSource({name: [] for name in columns}, **self._alike)
         self.sources.append(source)
+        self.views[source.id] = CDSView(filter=self._whole)
         return source
 
     def connect(self, figure: Model) -> None:
-        """Let the array travel with a figure of the page, once more if sources were added."""
-        self._take_apart.args = {
-            "sources": list(self.sources),
-            "columns": [source.column_names for source in self.sources],
-        }
-        if self._channel not in figure.tags:
-            figure.tags = [*figure.tags, self._channel]
-            self._keep_styles.args = {"figure": figure}
+        """Let the array travel with a figure of the page."""
+        figure.tags = [*figure.tags, self._channel]
+        self._keep_styles.args = {"figure": figure}
 
     def put(self, source: ColumnDataSource, columns: Columns) -> None:
         """Give a source new columns of one length, with the next `send`."""
@@ -83,13 +90,17 @@ class Feed:
         if self._waits:
             return
         parts, changed = [], False
-        for source in self.sources:
+        known = len(self._take_apart.args.get("sources", ()))
+        for number, source in enumerate(self.sources):
             columns, packed = self._staged.get(source.id, (None, _UNCHANGED))
-            if columns is not None and source.document is None:
+            if columns is not None and (source.document is None or number >= known):
                 source.data = dict(columns)
                 packed = _UNCHANGED
             changed |= packed is not _UNCHANGED
             parts.append(packed)
+        if known != len(self.sources):
+            columns_of = [source.column_names for source in self.sources]
+            self._take_apart.args = {"sources": list(self.sources), "columns": columns_of}
         if changed:
             self._channel.data = {"packed": np.concatenate(parts)}
         self._staged.clear()

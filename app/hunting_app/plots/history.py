@@ -52,7 +52,9 @@ class History:
     def __init__(self, feed: Feed, motions: dict[str, ColumnDataSource]) -> None:
         self.feed = feed
         self.contacts = feed.source("from", "to")
-        self.lanes = {c.symbol: Plot("", "", f"history-{c.symbol}", c.label) for c in COORDINATES}
+        self.lanes = {
+            c.symbol: Plot(feed, "", "", f"history-{c.symbol}", c.label) for c in COORDINATES
+        }
         first = self.lanes[COORDINATES[0].symbol].figure
         for c in COORDINATES:
             lane = self.lanes[c.symbol]

@@ -9,16 +9,17 @@ from bokeh.models import Span
 
 from hunting_app.numerals import rounded_up
 from hunting_app.picture import KMH
-from hunting_app.plots.base import Plot
+from hunting_app.plots.base import BASELINE, EXACT, Plot
 
 if TYPE_CHECKING:
-    from bokeh.models import ColumnDataSource
+    from bokeh.models import ColumnDataSource, GlyphRenderer
 
     from hunting.elements import Phasor
     from hunting_app.picture import Picture
     from hunting_app.plots.feed import Feed
 
 _MODES = ("least", "second", "third")
+_UNDER_THE_POINTER = "<b>$name</b><br>ζ = $snap_y{0.00} % at $snap_x{0.0} km/h"
 _CREEP = -60.0  # 1/s; modes that decay faster are creep, far to the left of the locus
 
 
@@ -26,8 +27,8 @@ class Damping(Plot):
     """Damping ratios over speed, sorted: the least damped mode decides."""
 
     def __init__(self, feed: Feed, cursor: ColumnDataSource) -> None:
-        self.feed = feed
         super().__init__(
+            feed,
             "forward speed V [km/h]",
             "damping ratio ζ [%]",
             "damping",
@@ -37,21 +38,34 @@ class Damping(Plot):
         self.figure.add_layout(zero)
         self.ink(zero, line_color="hunting")
         self.add("vspan", cursor, {"line_color": "cursor"}, x="x", line_width=1.5)
-        self.modes = {v: feed.source("V", *_MODES) for v in ("bogie", "wheelset")}
-        self.baseline = {v: feed.source("V", "least") for v in self.modes}
-        self._greys = {
-            v: self.behind(source, x="V", y="least", line_width=2.5)
-            for v, source in self.baseline.items()
-        }
-        for v, line in self._greys.items():
-            self.hover([line], [(f"baseline, {v}, ζ", "@least{0.00} %"), ("at", "@V{0.0} km/h")])
-        self.hopf = {v: feed.source("V", "zero") for v in self.modes}
-        for v, source in self.modes.items():
-            for mode, width in zip(_MODES, (3, 1.5, 1.5), strict=True):
-                line = self.add("line", source, {"line_color": v}, x="V", y=mode, line_width=width)
-                self.hover([line], [("ζ", f"@{mode}{{0.00}} %"), ("at", "@V{0.0} km/h")])
-            dot = {"line_color": v, "fill_color": v}
-            self.add("scatter", self.hopf[v], dot, x="V", y="zero", size=10)
+        self.modes: dict[str, ColumnDataSource] = {}
+        self.baseline: dict[str, ColumnDataSource] = {}
+        self.hopf: dict[str, ColumnDataSource] = {}
+
+    def add_baseline(self, vehicle: str) -> list[GlyphRenderer]:
+        """Add the least damped mode of a baseline."""
+        source = self.baseline[vehicle] = self.feed.source("V", "least")
+        grey = {"line_color": "baseline"}
+        line = self.add("line", source, grey, BASELINE, x="V", y="least", line_width=2.5)
+        self.hover(line, f"baseline, {vehicle}", _UNDER_THE_POINTER)
+        return [line]
+
+    def add_vehicle(self, vehicle: str) -> list[GlyphRenderer]:
+        """Add a vehicle's modes and Hopf points."""
+        source = self.modes[vehicle] = self.feed.source("V", *_MODES)
+        self.hopf[vehicle] = self.feed.source("V", "zero")
+        ink = {"line_color": vehicle}
+        lines = [
+            self.add("line", source, ink, EXACT, x="V", y=mode, line_width=width)
+            for mode, width in zip(_MODES, (3, 1.5, 1.5), strict=True)
+        ]
+        for line, mode in zip(lines, _MODES, strict=True):
+            self.hover(line, f"{vehicle}, {mode} damped mode", _UNDER_THE_POINTER)
+        dot = ink | {"fill_color": vehicle}
+        return [
+            *lines,
+            self.add("scatter", self.hopf[vehicle], dot, EXACT, x="V", y="zero", size=10),
+        ]
 
     def draw(self, shown: Picture) -> None:
         """Draw all modes; the axis is chosen for the least damped one."""
@@ -75,10 +89,9 @@ class Damping(Plot):
 
     def draw_baseline(self, shown: Picture) -> None:
         """Draw the least damped mode of the baseline."""
+        super().draw_baseline(shown)
         for v, source in self.baseline.items():
-            there = v in shown.baseline_damping
-            self._greys[v].visible = there
-            if there:
+            if v in shown.baseline_damping:
                 least = 100 * shown.baseline_damping[v]
                 self.feed.put(source, {"V": shown.speeds, "least": least})
             else:
@@ -89,8 +102,8 @@ class Locus(Plot):
     """Eigenvalues in the upper half plane as the speed rises."""
 
     def __init__(self, feed: Feed) -> None:
-        self.feed = feed
         super().__init__(
+            feed,
             "growth rate Re s [1/s]",
             "Im s / 2π [Hz]",
             "locus",
@@ -99,15 +112,18 @@ class Locus(Plot):
         axis = Span(location=0, dimension="height", line_width=1.5)
         self.figure.add_layout(axis)
         self.ink(axis, line_color="hunting")
-        self.roots = {v: feed.source("re", "im", "V") for v in ("bogie", "wheelset")}
-        self.now = {v: feed.source("re", "im") for v in self.roots}
-        for v, source in self.roots.items():
-            dot = {"line_color": v, "fill_color": v}
-            trail = self.add("scatter", source, dot, x="re", y="im", size=2.5)
-            self.add(
-                "scatter", self.now[v], dot | {"line_color": "cursor"}, x="re", y="im", size=10
-            )
-            self.hover([trail], [("V", "@V{0.0} km/h"), ("s", "@re{0.00} 1/s, @im{0.00} Hz")])
+        self.roots: dict[str, ColumnDataSource] = {}
+        self.now: dict[str, ColumnDataSource] = {}
+
+    def add_vehicle(self, vehicle: str) -> list[GlyphRenderer]:
+        """Add a vehicle's eigenvalues, and those at the chosen speed."""
+        roots = self.roots[vehicle] = self.feed.source("re", "im", "V")
+        now = self.now[vehicle] = self.feed.source("re", "im")
+        dot = {"line_color": vehicle, "fill_color": vehicle}
+        ring = dot | {"line_color": "cursor"}
+        trail = self.add("scatter", roots, dot, EXACT, x="re", y="im", size=2.5)
+        self.hover(trail, vehicle, "<b>$name</b><br>@re{0.00} 1/s, @im{0.00} Hz at @V{0.0} km/h")
+        return [trail, self.add("scatter", now, ring, EXACT, x="re", y="im", size=10)]
 
     def draw(self, shown: Picture) -> None:
         """Draw the whole locus."""
