@@ -62,7 +62,7 @@ class Disturbed:
 
     def column(self, symbol: str, index: int) -> Array:
         """Return a state [mm, mrad or per second] over time; zeros if the vehicle has none."""
-        symbols = [state.symbol for state in self.trajectory.system.states]
+        symbols = self.trajectory.system.symbols
         if symbol not in symbols:
             return np.zeros_like(self.trajectory.time)
         return MM * self.trajectory.state[index, :, symbols.index(symbol)]

@@ -52,7 +52,7 @@ export function render({ model }) {
     const ask = (key, label, title, change, off = false) => button(label, title,
       () => act({ design: name, ...change }), { "data-key": `${at} ${key}`, disabled: off });
     const box_ = element("input", {
-      type: "text", value: name, maxlength: 40, "aria-label": `name of ${name}`, "data-key": `${at} name`,
+      type: "text", value: name, "aria-label": `name of ${name}`, "data-key": `${at} name`,
       onchange: ({ target }) => {
         const asked = target.value;
         target.value = name; // until the server agrees

@@ -66,14 +66,18 @@ def with_file(state: State, name: str, text: Any, size: float) -> tuple[dict[str
     try:
         content = _object(text)
         if "designs" in content:
-            more = _designs(content)
-            return {"designs": joined(state.designs, more)}, f"{len(more)} designs from {name}."
+            found = _designs(content)
+            more = tuple(design for design in found if design not in state.designs)
+            had = len(found) - len(more)
+            already = f", {had} of them kept already" if had else ""
+            said = f"{len(found)} design{'s' * (len(found) != 1)} from {name}{already}."
+            return {"designs": joined(state.designs, more)}, said
         change, count = _parameters(content, state)
     except (ValueError, TypeError, OverflowError) as refusal:
         raise ValueError(f"{name} is refused, nothing was changed: {refusal}") from refusal
     others = f" The other {len(FIELDS) - count} are as they were."
     partly = "" if count == len(FIELDS) or "preset" in content else others
-    return change, f"{count} parameters from {name}.{partly}"
+    return change, f"{count} parameter{'s' * (count != 1)} from {name}.{partly}"
 
 
 def stored(text: Any) -> Designs:

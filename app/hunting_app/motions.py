@@ -46,7 +46,7 @@ class Motions:
         self.history = History(feed, self.curves.sources)
         self.plots = self.history.lanes
         self.text, self.pane = text("motion")
-        self.buttons = Html(act)
+        self.buttons = Html(act, margin=(0, 26, 0, 0))  # beside the menu
         self.plan = Plan()
         self.motion: Disturbed | None = None
         self.on_reach: Callable[[dict[str, float]], None] = lambda reach: None
@@ -66,6 +66,7 @@ class Motions:
     def _offer(self, shown: Picture) -> None:
         vehicle, moment = next(iter(shown.moments.items()))
         self.plan.frame = vehicle == "bogie"
+        self.history.show(shown.answers[vehicle].branch.system.symbols)
         self.buttons.html = _buttons(
             verdicts.no_threshold(shown.answers[vehicle], moment, shown.speed),
             pair=self.state.pair == "yes",

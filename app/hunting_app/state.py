@@ -26,7 +26,7 @@ PRESETS = {
     "reconstructed": Preset(
         "Reconstructed",
         RECONSTRUCTED,
-        "Our reconstruction from the paper's Fig. 3, not the paper's own table.",
+        "Our reconstruction from Fig. 3 of the paper of 2013, not its own Table 1.",
     ),
     "table1": Preset(
         "Table 1 as printed",

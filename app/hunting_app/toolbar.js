@@ -16,7 +16,7 @@ export function render({ model }) {
     onchange: () => { open(file.files); file.value = ""; },
   });
   const load = button("Open…", "Open parameters or designs from a JSON file; or drop one on the page", () => file.click());
-  const save = button("Save", "Save the parameters as a JSON file", () => act({ save: true }));
+  const save = button("Save file", "Save the parameters as a JSON file", () => act({ save: true }));
   const copy = button("Copy link", "Copy a link that opens what is shown now, baseline included", copyLink);
   const notices = element("div", { class: "notices", role: "alert" });
   const said = element("div", { class: "said", role: "status" });

@@ -61,7 +61,7 @@ def framed(
 
 def vehicle_of(system: LureSystem) -> str:
     """Return what a system is drawn as: a wheelset's frame does not move."""
-    moves = {state.symbol for state in system.states}
+    moves = set(system.symbols)
     return "bogie" if COORDINATES[-1].symbol in moves else "wheelset"
 
 
@@ -144,7 +144,7 @@ def portrait(motion: Trajectory, colours: Palette, coordinate: Coordinate) -> hv
 
 def cycles(branch: Branch, colours: Palette, coordinate: Coordinate, speed: float) -> hv.Overlay:
     """Return the limit cycles at a speed [m/s] as closed curves."""
-    symbols = [state.symbol for state in branch.system.states]
+    symbols = branch.system.symbols
     at = [symbols.index(coordinate.symbol + rate) for rate in ("", "'")]
     colour, dims = colours.vehicle(vehicle_of(branch.system)), _plane(coordinate)
     parts = [
@@ -263,7 +263,7 @@ def _speeds(system: LureSystem) -> Array:
 
 def _of(motion: Trajectory, symbol: str) -> Array:
     """Return a state [mm, mrad or per second] of each motion, one a row."""
-    index = [state.symbol for state in motion.system.states].index(symbol)
+    index = motion.system.symbols.index(symbol)
     return MM * _each(motion.state[..., index], 1)
 
 

@@ -87,6 +87,11 @@ class LureSystem:
         """Shape of the stack of systems; ``()`` for a single one."""
         return self.A0.shape[:-2]
 
+    @property
+    def symbols(self) -> list[str]:
+        """Symbols of the n states."""
+        return [state.symbol for state in self.states]
+
     def matrix(self, V: ArrayLike) -> Array:
         """Return A(V).
 

@@ -452,7 +452,7 @@ def _motions(system: LureSystem, speed: ArrayLike, initial: ArrayLike) -> tuple[
     wrong = V[~((V > 0) & np.isfinite(V))]
     if wrong.size:
         raise ValueError(f"speed must be finite and > 0 m/s, got {wrong.flat[0]}")
-    symbols = ", ".join(state.symbol for state in system.states)
+    symbols = ", ".join(system.symbols)
     n = len(system.states)
     if x.ndim == 0 or x.shape[-1] != n:
         raise ValueError(

@@ -303,6 +303,11 @@ def test_designs_are_saved_as_csv_and_json(two_designs):
         page.get_by_role("button", name="JSON", exact=True).last.click()
     kept = json.loads(json_file.value.path().read_text())["designs"]
     assert [one["name"] for one in kept] == ["soft", "stiff"]
+    within(two_designs, "soft", "delete")
+    page.locator("input[type=file]").set_input_files(json_file.value.path())
+    two_designs.settle()
+    assert names(two_designs) == ["stiff", "soft"]  # what is kept already is not kept twice
+    assert "2 designs from" in page.locator(".said[role=status]").first.inner_text()
 
 
 def test_the_designs_are_reached_by_keyboard_alone(dashboard):
@@ -348,7 +353,7 @@ def test_parameters_go_out_as_a_file_and_come_back(dashboard):
     dashboard.choose("Table 1 as printed")
     dashboard.type("m_w", "1500")
     with dashboard.page.expect_download() as file:
-        dashboard.page.get_by_role("button", name="Save", exact=True).click()
+        dashboard.page.get_by_role("button", name="Save file", exact=True).click()
     saved = file.value.path().read_text()
     dashboard.choose("Reconstructed")
     upload(dashboard, saved)

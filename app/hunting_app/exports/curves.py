@@ -93,7 +93,7 @@ def _cycle(
 
 def _portraits(shown: Picture, _: Disturbed | None) -> Iterator[dict[str, Any]]:
     for vehicle, moment in shown.moments.items():
-        symbols = [s.symbol for s in shown.answers[vehicle].branch.system.states]
+        symbols = shown.answers[vehicle].branch.system.symbols
         for cycle in moment.cycles:
             for t, x in zip(cycle.motion.time, cycle.motion.state, strict=True):
                 yield {
@@ -107,7 +107,7 @@ def _portraits(shown: Picture, _: Disturbed | None) -> Iterator[dict[str, Any]]:
 def _motion(shown: Picture, motion: Disturbed | None) -> Iterator[dict[str, Any]]:
     for index, size in enumerate(() if motion is None else motion.sizes):
         assert motion is not None
-        symbols = [s.symbol for s in motion.trajectory.system.states]
+        symbols = motion.trajectory.system.symbols
         columns = {_named(s): motion.column(s, index) for s in symbols}
         columns |= {f"{name} [N]": force[index] for name, force in motion.trajectory.forces.items()}
         for k, t in enumerate(motion.trajectory.time):

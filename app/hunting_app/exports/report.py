@@ -16,6 +16,7 @@ from bokeh.resources import Resources
 from hunting_app import link, words
 from hunting_app.blocks import LAYOUT, said
 from hunting_app.equations import SOURCES
+from hunting_app.formula import with_subscripts
 from hunting_app.markup import STYLE
 from hunting_app.palette import LIGHT
 from hunting_app.parameter_table import parameter_table
@@ -115,6 +116,7 @@ def _plots(state: State, shown: Picture, motion: Disturbed | None) -> dict[str, 
         reach = curves.put(motion)
         portraits.include(reach)
         history.draw(reach, motion)
+        history.show(motion.trajectory.system.symbols)
     for plot in plots.values():
         plot.dress(LIGHT)
         plot.show_vehicles(set(VEHICLES[state.vehicle]))
@@ -148,12 +150,13 @@ def _method(state: State, shown: Picture) -> str:
             "Exact limit cycles, and V_nl from them, come from harmonic balance with "
             f"harmonics up to order {harmonics}; their stability from Floquet multipliers.",
         )
-    items = "".join(f"<li>{escape(text)}</li>" for text in statements)
+    items = "".join(f"<li>{with_subscripts(text)}</li>" for text in statements)
     used = ", ".join(f"{name} {version(name)}" for name in ("numpy", "scipy", "bokeh"))
     sources = "".join(f"<li>{escape(source)}</li>" for source in SOURCES)
-    address = escape(link.query(state)) or "the page without any query"
+    query = escape(link.query(state))
+    again = f"with <code>{query}</code> behind its address" if query else "as it opens"
     return (
         f"<ul>{items}</ul><p>Sources:</p><ul>{sources}</ul>"
         f"<p>bogie-hunting {version('bogie-hunting')}, {used}. The dashboard shows the same "
-        f"picture at <code>{address}</code>.</p>"
+        f"picture {again}.</p>"
     )

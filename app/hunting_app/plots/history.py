@@ -12,6 +12,8 @@ from hunting_app.plots.base import Plot
 from hunting_app.plots.portraits import COORDINATES
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from bokeh.models import ColumnDataSource
 
     from hunting_app.disturbance import Disturbed
@@ -67,15 +69,23 @@ class History:
             figure.yaxis.axis_label_text_font_size = "11px"
             figure.yaxis.axis_label_standoff = 2
             figure.min_border_left = 58
-            figure.xaxis.visible = c is COORDINATES[-1]
-            figure.styles = {"flex": "1 1 0" if c is not COORDINATES[-1] else "1 1 36px"}
+            figure.xaxis.axis_label = "time t [s]"
             lane.add(
                 "vstrip", self.contacts, {"fill_color": "hunting", "line_color": "hunting"},
                 x0="from", x1="to", fill_alpha=0.25, line_alpha=0.25,
             )  # fmt: skip
             for role, source in reversed(motions.items()):
                 lane.add("line", source, {"line_color": role}, x="t", y=c.symbol, line_width=1)
-        self.lanes[COORDINATES[-1].symbol].figure.xaxis.axis_label = "time t [s]"
+        self.show([c.symbol for c in COORDINATES])
+
+    def show(self, symbols: Sequence[str]) -> None:
+        """Show the lanes of these states only; the last of them has the axis of time."""
+        *_, last = (symbol for symbol in self.lanes if symbol in symbols)
+        for symbol, lane in self.lanes.items():
+            is_last = symbol == last
+            lane.figure.visible = symbol in symbols
+            lane.figure.xaxis.visible = is_last
+            lane.figure.styles = {"flex": "1 1 36px" if is_last else "1 1 0"}
 
     def draw(self, reach: dict[str, float], motion: Disturbed) -> None:
         """Set the axes and shade the contacts; the motions are in their sources."""

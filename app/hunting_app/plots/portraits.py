@@ -124,6 +124,9 @@ class Portraits:
     def draw_moment(self, shown: Picture) -> None:
         """Draw the cycles at the chosen speed; without any, the axes follow the clearance."""
         self.cycles.put(shown)
+        known = {s for one in shown.answers.values() for s in one.branch.system.symbols}
+        for symbol, plot in self.plots.items():
+            plot.figure.visible = symbol in known  # a wheelset has no frame
         delta = shown.clearance
         self.feed.put(self.clearance, {"x": [-delta, delta]})
         reach = dict.fromkeys(_COLUMNS, 0.0)
@@ -149,7 +152,7 @@ class Portraits:
 def _all_columns(shown: Picture) -> Iterator[tuple[str, bool, dict]]:
     """Yield vehicle, stability and states by symbol of every cycle at the chosen speed."""
     for vehicle, moment in shown.moments.items():
-        symbols = [state.symbol for state in shown.answers[vehicle].branch.system.states]
+        symbols = shown.answers[vehicle].branch.system.symbols
         for cycle in moment.cycles:
             yield vehicle, cycle.stable, dict(zip(symbols, cycle.motion.state.T, strict=True))
 

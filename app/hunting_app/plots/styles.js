@@ -2,8 +2,11 @@
 // computed styles in between, which the browser then works out for the whole page: half of a move's
 // time. Inside a frame these elements are empty, so they stay where they are; of axes, whose size
 // does matter, only what differs is written. All figures share the prototypes.
+// And it clears a canvas half a pixel off its upper and left edges, where the colours of the other
+// scheme would stay as a line.
 if (!figure.keeps_styles) { // finding a view takes looking at all of them: once
-  const [renderer] = cb_context.index.get_one(figure).renderer_views.values();
+  const view = cb_context.index.get_one(figure);
+  const [renderer] = view.renderer_views.values();
   const sheet = Object.getPrototypeOf(renderer.position);
   if (!Object.hasOwn(sheet, "keeps")) {
     let kind = Object.getPrototypeOf(renderer);
@@ -15,6 +18,10 @@ if (!figure.keeps_styles) { // finding a view takes looking at all of them: once
     };
     sheet._update = function (css) {
       if (css !== this.css) write.call(this, css);
+    };
+    Object.getPrototypeOf(view.canvas_view.primary).clear = function () {
+      const { x, y, width, height } = this.bbox;
+      this.ctx.clearRect(x - 1, y - 1, width + 2, height + 2);
     };
     sheet.keeps = true;
   }

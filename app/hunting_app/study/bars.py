@@ -31,8 +31,9 @@ class Sensitivities(Section):
     things = "steps"
     explained = (
         "Each bar is the change of a critical speed, in percent, for 10 % more of one parameter: "
-        "to the right the speed rises, to the left it falls. (To first order: ten times the slope "
-        "d ln V / d ln p at the present design.) Parameters on top matter most."
+        "to the right the speed rises, to the left it falls. The parameter with the longest bar is "
+        "on top. (To first order: ten times the slope d ln V / d ln p at the present design. The "
+        "advice on the Explore page takes the whole step, so its numbers differ a little.)"
     )
 
     def opened(self) -> None:
