@@ -13,7 +13,7 @@ from hunting_app.details import Details
 from hunting_app.exports.files import Files
 from hunting_app.glossary import explained, term
 from hunting_app.markup import Html, text
-from hunting_app.pace import after, open_page, send_at_once
+from hunting_app.pace import open_page
 from hunting_app.palette import palette
 from hunting_app.picture import picture
 from hunting_app.plots.bifurcation import Bifurcation
@@ -26,8 +26,6 @@ if TYPE_CHECKING:
     from hunting_app.picture import Picture
     from hunting_app.plots.base import Plot
     from hunting_app.state import State
-
-PAUSE = 2  # ms for the cheap answer to leave, before the exact branch is computed
 
 
 class Explore:
@@ -49,7 +47,7 @@ class Explore:
         self._drawn: tuple[Any, ...] = ()
         self._exact: tuple[Any, ...] = ()
         self._pinned: tuple[Any, ...] = ()
-        self._late: Any = None
+        self._waits = False  # the exact branch, for the cheap answers to leave
         self._dressed: bool | None = None
         self._vehicles: set[str] = set()
         self.view = block(
@@ -86,23 +84,18 @@ class Explore:
             self.advice.run()
 
     def draw(self) -> None:
-        """Bring everything up to date; what takes too long for a moving hand comes after it."""
+        """Bring everything up to date; what takes too long for a moving hand waits for `settle`."""
         state = self.state
-        wanted = state.exact == "shown"
-        waits = wanted and self._served() and self._exact != (state.parameters, state.vehicle)
-        if waits and self._late is None:
-            self._late = after(PAUSE, self._draw_exact)
-        self._draw(wanted and not waits)
+        wanted, seen = state.exact == "shown", bool(self._drawn and open_page())
+        self._waits = wanted and seen and self._exact != (state.parameters, state.vehicle)
+        self._draw(wanted and not self._waits)
 
-    def _served(self) -> bool:
-        """Whether a person sees this already: then the cheap answer goes out at once."""
-        return bool(self._drawn and open_page())
-
-    def _draw_exact(self) -> None:
-        self._late = None
-        send_at_once()
-        with pn.io.hold():
-            self._draw(self.state.exact == "shown")
+    def settle(self) -> None:
+        """Draw the exact branch, in an update of its own."""
+        if self._waits:
+            self._waits = False
+            with pn.io.hold():
+                self._draw(self.state.exact == "shown")
 
     def _draw(self, exact: bool) -> None:
         """Draw the exact branch too, or leave all that follows from it as it is."""

@@ -115,7 +115,10 @@ class Session:
         self.state.param.watch(lambda *_: self._choose_scheme(), ["dark"])
 
     def act_all(self, acts: list[dict[str, Any]]) -> None:
-        """Do what clicks, keys and sliders ask for; the browser gets it all in one update."""
+        """Do what clicks, keys and sliders ask for; the browser gets it all in one update.
+
+        The exact branch follows in a second one, when the first has been written to the socket.
+        """
         send_at_once()
         with pn.io.hold():
             try:
@@ -124,6 +127,7 @@ class Session:
                         self._do(act)
             finally:
                 self.show()
+        self.explore.settle()
         pn.io.push_notebook(self.root)  # there, what bare Bokeh models change waits to be sent
 
     def act(self, act: dict[str, Any]) -> None:

@@ -47,9 +47,15 @@ window.prepare = (kind) => {
 
 /**
  * Move a slider; resolve with the ms until the new answer is painted, and until the last canvas is.
- * What follows within `quiet` ms of a painting belongs to the same move.
+ * What follows within `quiet` ms of a painting belongs to the same move. It begins at any moment of
+ * a frame, as a hand does: the test's own steps come soon after a frame, and all times would be
+ * whole frames.
  */
-window.timedMove = (name, position, quiet = 80, timeout = 10000) => new Promise((resolve, reject) => {
+window.timedMove = async (...move) => {
+  await new Promise((resolve) => { setTimeout(resolve, (Math.random() * 1000) / 60); });
+  return movedAndTimed(...move);
+};
+const movedAndTimed = (name, position, quiet = 80, timeout = 10000) => new Promise((resolve, reject) => {
   const { painted } = window;
   const before = window.arrivals;
   const start = performance.now();
