@@ -26,6 +26,7 @@ class Dashboard:
         if "page=" not in search:
             self.page.locator(".card.stability canvas").first.wait_for(state="attached")
         self.page.wait_for_function(IDLE)
+        self.page.get_by_text(re.compile("☀ Light|☾ Dark")).wait_for()
         return self
 
     def slider(self, name):
