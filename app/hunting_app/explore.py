@@ -35,7 +35,6 @@ class Explore:
         self.state, self.act, self.advice = state, act, advice
         self.feed = Feed()
         self.bifurcation = Bifurcation(self.feed)
-        self.feed.connect(self.bifurcation.figure)
         self.bifurcation.figure.on_event(Tap, self._disturb)
         self.plots: list[Plot] = [self.bifurcation]
         self.texts, self.panes = {}, {}
@@ -61,6 +60,7 @@ class Explore:
             ),
         )
         self.draw()
+        self.feed.connect(self.bifurcation.figure)
         state.param.watch(
             lambda *_: self.draw(),
             ["parameters", "vehicle", "speed", "curve", "exact", "averaged", "baseline", "dark"],
@@ -81,6 +81,7 @@ class Explore:
             self._draw(self.state.exact == "shown")
             self.details.motions.run()
             self.view.extend(self.details.cards())
+            self.feed.connect(self.bifurcation.figure)
             self.advice.run()
 
     def draw(self) -> None:

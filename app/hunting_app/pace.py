@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from bokeh.document import Document
 
 T = TypeVar("T")
+_WRITTEN = 2  # ms; an update has been written to the socket by then
 
 
 def open_page() -> Document | None:
@@ -27,6 +28,18 @@ def after(milliseconds: int, work: Callable[[], None]) -> Any:
     """Do something when the page has had that time, and return a handle; at once without a page."""
     doc = open_page()
     return doc.add_timeout_callback(work, milliseconds) if doc else work()
+
+
+def then(work: Callable[[], None]) -> None:
+    """Do something after the update that has just been held and let go.
+
+    At once, as that was written to the socket already; but a thread of ``--num-threads`` may hold
+    updates only once, and leaves it to the page's loop.
+    """
+    if pn.config.nthreads is None:
+        work()
+    else:
+        after(_WRITTEN, work)
 
 
 def beside(executor: Executor, work: Callable[[], T], then: Callable[[T], None]) -> None:

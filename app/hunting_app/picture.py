@@ -68,7 +68,7 @@ class Answers:
         """How far averaging is off at the fold [km/h]; NaN where either has none."""
         if self.exact is None or self.exact.fold is None or self.averaged.fold is None:
             return math.nan
-        return KMH * float(self.averaged.fold[0] - self.exact.fold[0])
+        return KMH * float(self.averaging.nonlinear - self.exact.fold[0])
 
     @property
     def unstable_everywhere(self) -> bool:

@@ -17,7 +17,7 @@ from hunting_app.hints import Hints
 from hunting_app.history import History
 from hunting_app.markup import Html
 from hunting_app.model_page import model_page
-from hunting_app.pace import after, open_page, send_at_once, style_from_this_server
+from hunting_app.pace import after, open_page, send_at_once, style_from_this_server, then
 from hunting_app.picture import picture
 from hunting_app.sidebar import Sidebar
 from hunting_app.state import (
@@ -127,7 +127,7 @@ class Session:
                         self._do(act)
             finally:
                 self.show()
-        self.explore.settle()
+        then(self.explore.settle)
         pn.io.push_notebook(self.root)  # there, what bare Bokeh models change waits to be sent
 
     def act(self, act: dict[str, Any]) -> None:

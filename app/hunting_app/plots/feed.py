@@ -50,10 +50,12 @@ class Feed:
         self._staged: dict[str, tuple[Columns, NDArray[np.float64]]] = {}
         self._shown: dict[str, bytes] = {}
         self._waits = False
+        self._known = 0  # sources that the array is for
         self._channel = ColumnDataSource({"packed": np.zeros(0)})
         self._take_apart = CustomJS(code=_TAKE_APART)
         self._keep_styles = CustomJS(code=_KEEP_STYLES)
-        self._channel.js_on_change("data", self._keep_styles, self._take_apart)
+        self._channel.js_on_change("data", self._take_apart)
+        self._take_apart.js_on_change("args", self._keep_styles)
 
     def source(self, *columns: str) -> ColumnDataSource:
         """Return a new empty source with these columns."""
@@ -63,9 +65,16 @@ class Feed:
         return source
 
     def connect(self, figure: Model) -> None:
-        """Let the array travel with a figure of the page."""
-        figure.tags = [*figure.tags, self._channel]
-        self._keep_styles.args = {"figure": figure}
+        """Let the array travel with a figure of the page, for all sources that there are by now."""
+        if self._channel not in figure.tags:
+            figure.tags = [*figure.tags, self._channel]
+            self._keep_styles.args = {"figure": figure}
+        self._extend()
+
+    def _extend(self) -> None:
+        columns = [source.column_names for source in self.sources]
+        self._take_apart.args = {"sources": list(self.sources), "columns": columns}
+        self._known = len(self.sources)
 
     def put(self, source: ColumnDataSource, columns: Columns) -> None:
         """Give a source new columns of one length, with the next `send`."""
@@ -90,17 +99,15 @@ class Feed:
         if self._waits:
             return
         parts, changed = [], False
-        known = len(self._take_apart.args.get("sources", ()))
         for number, source in enumerate(self.sources):
             columns, packed = self._staged.get(source.id, (None, _UNCHANGED))
-            if columns is not None and (source.document is None or number >= known):
+            if columns is not None and (source.document is None or number >= self._known):
                 source.data = dict(columns)
                 packed = _UNCHANGED
             changed |= packed is not _UNCHANGED
             parts.append(packed)
-        if known != len(self.sources):
-            columns_of = [source.column_names for source in self.sources]
-            self._take_apart.args = {"sources": list(self.sources), "columns": columns_of}
+        if self._known < len(self.sources) and self.sources[-1].document is not None:
+            self._extend()
         if changed:
             self._channel.data = {"packed": np.concatenate(parts)}
         self._staged.clear()
