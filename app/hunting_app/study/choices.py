@@ -40,7 +40,7 @@ def ticks(label: str, value: list[str]) -> pn.widgets.CheckBoxGroup:
     """Return a box to tick for each parameter."""
     return pn.widgets.CheckBoxGroup(
         label=label,
-        options={f"{field.label} {field.symbol}": name for name, field in FIELDS.items()},
+        options={field.symbol: name for name, field in FIELDS.items()},
         value=value,
         inline=True,
         stylesheets=[STYLE],
