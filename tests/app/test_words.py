@@ -108,10 +108,10 @@ def test_a_term_is_explained_once_in_a_sentence():
 
 
 def test_an_averaged_branch_that_falls_to_speed_zero_says_nothing_beside_the_exact_one():
-    one = picture(RECONSTRUCTED.replace(W_A=57649219.0), "bogie", 145.0).answers["bogie"]
+    shown = picture(RECONSTRUCTED.replace(W_A=57649219.0), "bogie", 145.0)
+    one, said = shown.answers["bogie"], words.answers(shown)
     assert one.averaged.fold is not None
     assert math.isnan(one.averaging.nonlinear)
     assert math.isfinite(one.critical.nonlinear)
-    said = words.answers(picture(RECONSTRUCTED.replace(W_A=57649219.0), "bogie", 145.0))
     assert "nan" not in said
     assert "averaging says" not in said
